@@ -10,6 +10,7 @@ from .model import ThorntonNing as ThorntonNing
 from .model import Trajectory as Trajectory
 from .model import bootstrap_v_c as bootstrap_v_c
 from .model import calibrate as calibrate
+from .model import calibrate_laws as calibrate_laws
 from .model import capture_velocity as capture_velocity
 from .model import compare_models as compare_models
 from .model import fit_restitution as fit_restitution

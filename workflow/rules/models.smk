@@ -109,7 +109,7 @@ use rule study as restitution_fits with:
 use rule study as fit_coverage with:
     """tables/fit_coverage.csv, averaged_intervals.csv: how well the capture velocity is found."""
     input:
-        **tables("calibration", "restitution_fits", "evidence_summary"),
+        **tables("calibration", "restitution_fits"),
     output:
         **tables("fit_coverage", "averaged_intervals"),
         **data("capture_recovery", "averaged_coverage"),

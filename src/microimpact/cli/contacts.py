@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from microimpact.core.arrays import FloatArray
     from microimpact.model.contact import Contact
 
+RING_FORCE = "ring force"
+# Diameters that differ by less than this share are one.
+SAME_SIZE = 0.01
 Command = Callable[..., None]
 Pair = tuple[str, str]
 # Values of impacts (n,) by "value", and over draws by "low" and "high", too.
@@ -94,22 +97,52 @@ class Chosen:
 
     Attributes
     ----------
-    contact
-        The contact; from a file of draws, an array of shape (draws, 1).
-    best
-        The best draw, or the contact itself.
+    contacts
+        The contact, by its law; from a file of draws, arrays of shape (draws, 1) by each law.
+    bests
+        The best draws, or the contact itself.
     replaced
         Numbers of the declared pair that options replaced: its own, and the present one.
+    measured
+        Diameter at which draws were calibrated, m; None for a contact that is no draw.
     """
 
-    contact: Contact
-    best: Contact
+    contacts: Mapping[str, Contact]
+    bests: Mapping[str, Contact]
     replaced: Mapping[str, tuple[float, float]]
+    measured: float | None = None
+
+    @property
+    def best(self) -> Contact:
+        """The best draw by the heaviest law, or the contact itself."""
+        return next(iter(self.bests.values()))
 
     @property
     def draws(self) -> int:
         """Number of draws, 0 for one contact."""
-        return int(np.prod(self.contact.shape)) if self.contact.shape else 0
+        shapes = [contact.shape for contact in self.contacts.values()]
+        return sum(int(np.prod(shape)) for shape in shapes if shape)
+
+    def of_all(self, quantity: Callable[[Contact], Any]) -> Any:
+        """Return a quantity of all draws, joined along the first axis."""
+        return _joined([quantity(contact) for contact in self.contacts.values()])
+
+    def doubts(self) -> Iterator[str]:
+        """Say that draws are extrapolated to another diameter, and how their laws disagree."""
+        from microimpact.model.dynamics.capture import capture_velocity
+
+        size = float(self.best.diameter)
+        if self.measured is None or abs(size / self.measured - 1.0) < SAME_SIZE:
+            return
+        limits = [
+            f"{number(middle)} ({number(low)} to {number(high)}) by {law}"
+            for law, contact in self.contacts.items()
+            for low, middle, high in [_quantiles(capture_velocity(contact))]
+        ]
+        yield (
+            f"the contacts were calibrated at {self.measured * 1e6:g} um and are extrapolated to "
+            f"{size * 1e6:g} um, each by its law: v_c = {'; '.join(limits)} m/s"
+        )
 
     def title(self) -> str:
         """Pair and parameters, and a line on draws or on numbers that are not the declared ones."""
@@ -117,11 +150,23 @@ class Chosen:
         title = (
             f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um"
             f"{f' on {contact.partner_diameter * 1e6:g} um' if contact.is_pair else ''}: "
-            f"w_A = {contact.work_of_adhesion:.4g} J/m2, c_H = {contact.hertz_damping:.4g} s/m, "
-            f"c_A = {contact.adhesion_damping:.4g} s/m, n = {contact.adhesion_rate_exponent:.4g}"
+            f"w_A = {contact.work_of_adhesion:.4g} J/m2, "
         )
+        if contact.law is None:
+            title += (
+                f"c_H = {contact.hertz_damping:.4g} s/m, c_A = {contact.adhesion_damping:.4g} s/m, "
+                f"n = {contact.adhesion_rate_exponent:.4g}"
+            )
+        else:
+            parameters = contact.law.parameters.items()
+            title += f"{contact.law.name}, {', '.join(f'{k} = {v:.4g}' for k, v in parameters)}"
         if self.draws:
-            return f"{title}\nThe best of {self.draws} contacts; ranges are from 5 to 95 % of them."
+            parts = [f"{c.shape[0]} by {law}" for law, c in self.contacts.items() if c.shape]
+            laws = f", {', '.join(parts)}" if len(parts) > 1 else ""
+            return (
+                f"{title}\nThe best of {self.draws} contacts{laws}; ranges are from 5 to 95 % of "
+                "them."
+            )
         if not self.replaced:
             return title
         changes = ", ".join(
@@ -134,17 +179,34 @@ class Chosen:
 
     def inputs(self) -> dict[str, Any]:
         """All parameters in SI units, from which the answer can be computed again."""
-        contact = self.contact if self.draws else self.best
+        contact = self.best
         inputs: dict[str, Any] = {
             role: asdict(getattr(contact, role)) for role in ("particle", "surface")
         }
-        for name in ("diameter", "friction", "ring_force", *CALIBRATED):
-            value = getattr(contact, name)
-            inputs[name] = None if value is None else np.squeeze(value)
+        laws = {law: _fields_of(each) for law, each in self.contacts.items()}
+        inputs |= {"laws": laws} if len(laws) > 1 else next(iter(laws.values()))
         if contact.is_pair:
             inputs["partner_diameter"] = contact.partner_diameter
         declared = {name: declared for name, (declared, _) in self.replaced.items()}
         return inputs | {"stiffness_model": contact.stiffness_model, "in_place_of": declared}
+
+
+def _fields_of(contact: Contact) -> dict[str, Any]:
+    """Numbers of a contact in SI units, and its law if that is not the ring force."""
+    numbers = {
+        name: None if (value := getattr(contact, name)) is None else np.squeeze(value)
+        for name in ("diameter", "friction", "ring_force", *CALIBRATED)
+    }
+    if contact.law is None:
+        return numbers
+    parameters = {name: np.squeeze(value) for name, value in contact.law.parameters.items()}
+    return numbers | {"law": contact.law.name} | parameters
+
+
+def _quantiles(values: Any) -> tuple[float, float, float]:
+    """The 5 %, 50 % and 95 % of values."""
+    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95], method="nearest").tolist()
+    return low, middle, high
 
 
 def contact_options(command: Command) -> Command:
@@ -212,13 +274,15 @@ def simulate_command(
     before = {name: axis.ravel() for name, axis in zip(names, axes, strict=True)}
     laws: dict[str, Any] = {"friction_basis": friction_basis, "tangential": tangential}
     motion: dict[str, Any] = before | {"partner_spin": partner_spin}
-    outcome = simulate(chosen.contact, **motion, **laws)
+    outcomes = [simulate(contact, **motion, **laws) for contact in chosen.contacts.values()]
     limit = None
     if yield_strength_mpa is not None:
         limit = 1e6 * float(checked("yield-strength-mpa", yield_strength_mpa, POSITIVE))
-    warn(doubts(chosen.contact, outcome.maximum_compression, limit))
+    warn(chosen.doubts())
+    for contact, outcome in zip(chosen.contacts.values(), outcomes, strict=True):
+        warn(doubts(contact, outcome.maximum_compression, limit))
     after = {
-        name: _summary(getattr(outcome, name), chosen.draws)
+        name: _summary(_joined([getattr(outcome, name) for outcome in outcomes]), chosen.draws)
         for name in _IMPACT
         if chosen.best.is_pair or name != "partner_spin"
     }
@@ -261,6 +325,11 @@ def _print_impact(title: str, after: Mapping[str, Summary], *, draws: bool) -> N
     print_table(title, header, rows)
 
 
+def _joined(values: Sequence[Any]) -> Any:
+    """Join values of draws by several laws along the first axis."""
+    return np.concatenate(values) if len(values) > 1 else values[0]
+
+
 def _summary(values: Any, draws: int) -> Summary:
     """Values (n,), or of draws (draws, n) the median and 5 and 95 %; shares of yes."""
     if not draws:
@@ -299,20 +368,24 @@ def capture_command(as_json: bool, **pair: Any) -> None:
     from microimpact.model.plausibility import doubts
 
     chosen = contact_of(**pair)
-    limits = np.ravel(capture_velocity(chosen.contact))
-    warn(doubts(chosen.contact))
+    limits = np.ravel(chosen.of_all(capture_velocity))
+    warn(chosen.doubts())
+    for each in chosen.contacts.values():
+        warn(doubts(each))
     if as_json:
         outputs = {"capture_velocity": limits if chosen.draws else limits[0]}
         print_json({"inputs": chosen.inputs(), "outputs": outputs})
         return
     contact = chosen.best
-    hertz_group, adhesion_group = contact.groups
     tabor = float(tabor_number(contact))
     rows = [
         ("capture velocity", number(float(capture_velocity(contact))), "m/s"),
         ("velocity scale V", number(contact.velocity_scale), "m/s"),
-        ("damping group C_H", number(hertz_group), ""),
-        ("damping group C_A", number(adhesion_group), ""),
+    ]
+    if contact.law is None:
+        names = ("damping group C_H", "damping group C_A")
+        rows += [(n, number(group), "") for n, group in zip(names, contact.groups, strict=True)]
+    rows += [
         ("stiffness K", number(contact.stiffness, 1e-9), "GPa"),
         ("ring force f_0", number(contact.ring_force), "N/m"),
         ("work of adhesion w_A", number(contact.work_of_adhesion), "J/m2"),
@@ -320,7 +393,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
         ("Tabor's number, JKR or DMT", f"{number(tabor)}: {contact_regime(tabor)}", ""),
     ]
     if chosen.draws:
-        low, middle, high = np.quantile(limits, [0.05, 0.5, 0.95], method="nearest")
+        low, middle, high = _quantiles(limits)
         span = f"{number(middle)} ({number(low)} to {number(high)})"
         rows.insert(1, ("of all contacts, median (5 to 95 %)", span, "m/s"))
     print_table(chosen.title(), ("", "value", "unit"), rows)
@@ -357,12 +430,21 @@ def export_command(
 
     chosen = contact_of(**pair)
     checked("fastest", fastest, SPEED)
+    warn(chosen.doubts())
+    if chosen.best.law is not None:
+        if RING_FORCE not in chosen.bests:
+            raise ValueError(
+                f"a table has the law {RING_FORCE!r}, by which {pair['file']} has no contact"
+            )
+        laws = ", ".join(chosen.contacts)
+        warn([f"of contacts by {laws}, the best by the {RING_FORCE} is written"])
+        chosen = replace(chosen, bests={RING_FORCE: chosen.bests[RING_FORCE]})
     law = tabulate(chosen.best, fastest / 2.0, fastest)
     written = [str(path) for path in law.export(output, form, friction_basis, tolerance, speeds)]
     warn(doubts(chosen.best))
     if as_json:
         options = {"format": form, "fastest": fastest, "tolerance": tolerance}
-        inputs = replace(chosen, contact=chosen.best).inputs() | options
+        inputs = replace(chosen, contacts=chosen.bests).inputs() | options
         print_json({"inputs": inputs | {"friction_basis": friction_basis}, "files": written})
         return
     click.echo(chosen.title())
@@ -473,7 +555,8 @@ def contact_of(
         same = {"stiffness_model": options["stiffness_model"]} | sizes
         shipped_contact = pair_contact(particle, surface, shipped, pairs, **same)
         replaced = _differences(shipped_contact, contact)
-    return Chosen(contact=contact, best=contact, replaced=replaced)
+    whole = {RING_FORCE: contact}
+    return Chosen(contacts=whole, bests=whole, replaced=replaced)
 
 
 def _completed(
@@ -546,5 +629,10 @@ def _from_file(file: str, sizes: Mapping[str, float]) -> Chosen:
     from microimpact.measured.contacts import read_contacts
     from microimpact.model.contact import resized
 
-    contact, best = (resized(contact, **sizes) for contact in read_contacts(file))
-    return Chosen(contact=contact, best=best, replaced={})
+    contacts, bests = read_contacts(file)
+    measured = float(next(iter(bests.values())).diameter)
+    contacts, bests = (
+        {law: resized(contact, **sizes) for law, contact in by_law.items()}
+        for by_law in (contacts, bests)
+    )
+    return Chosen(contacts=contacts, bests=bests, replaced={}, measured=measured)

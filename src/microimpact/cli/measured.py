@@ -11,19 +11,20 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from microimpact.cli.contacts import contact_of, contact_options
+from microimpact.cli.contacts import RING_FORCE, contact_of, contact_options
 from microimpact.cli.output import number, precise, print_json, print_table, warn
+from microimpact.model.choices import CALIBRATED
 
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
     from microimpact.model.empirical.comparison import Comparison
+    from microimpact.model.law_draws import LawDraws
 
 # What a file may leave to options: the columns, and the options.
 _SPREADS = {"sigma": "--sigma", "sigma_v": "--sigma-v", "size_scatter": "--size-scatter"}
 _READ = ("unit", "columns", "delimiter", "decimal", "encoding", *_SPREADS)
-_SHORT = {"w_A": "work_of_adhesion", "c_H": "hertz_damping", "c_A": "adhesion_damping"}
-_SHORT |= {"n": "adhesion_rate_exponent"}
+SYMBOLS = dict(zip(("w_A", "c_H", "c_A", "n"), CALIBRATED[:4], strict=True))
 
 
 def data_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -150,9 +151,7 @@ def _of_sizes(comparison: Comparison) -> str:
 @data_options
 @click.option(
     "--free",
-    default="w_A,c_H,c_A",
-    show_default=True,
-    help="Parameters to be found, of w_A, c_H, c_A and n.",
+    help="By the ring force alone: parameters to be found, of w_A, c_H, c_A and n.",
 )
 @click.option("--draws", type=int, default=400, show_default=True, help="Contacts to be drawn.")
 @click.option("--seed", type=int, default=0, show_default=True)
@@ -163,7 +162,7 @@ def _of_sizes(comparison: Comparison) -> str:
 def calibrate_command(
     data: str | None,
     reading: Mapping[str, Any],
-    free: str,
+    free: str | None,
     draws: int,
     seed: int,
     restitution: float | None,
@@ -176,46 +175,103 @@ def calibrate_command(
     """Find contacts from measured restitutions, or c_H and c_A from two numbers.
 
     DATA is a file as of 'microimpact fit'. The result is a sample of contacts that agree with
-    the data; predictions from it ('microimpact simulate --contact FILE') have a range.
+    the data, by several laws of contact and with their weights; predictions from it ('microimpact
+    simulate --contact FILE') have a range. --free draws by the ring force alone.
     """
     from microimpact.measured.contacts import write_contacts
     from microimpact.model.calibration import two_stage
-    from microimpact.model.dynamics.capture import capture_velocity as captured_below
-    from microimpact.model.posterior import calibrate
+    from microimpact.model.posterior import FREE, calibrate, free_fields
 
     targets = _targets(data, restitution, at_speed, capture_velocity)
-    free_fields = ["hertz_damping", "adhesion_damping"] if targets else _fields(free)
+    names = FREE if free is None else free_fields(name.strip() for name in free.split(","))
+    names = ("hertz_damping", "adhesion_damping") if targets else names
     measured = None if targets else _measured(str(data), **reading)
     # Without it all contacts fit.
     missing = [] if measured is None or measured.sigma is not None else ["--sigma or its column"]
-    start = _start(pair, free_fields, missing)
-    diagnostics = ""
+    start = _start(pair, names, missing)
+    weights, words = {RING_FORCE: 1.0}, ""
     if measured is None:
-        contact = best = two_stage(start, *(targets or ())).contact
+        contacts = bests = {RING_FORCE: two_stage(start, *(targets or ())).contact}
+    elif free is None:
+        drawn = _by_laws(start, measured, draws, seed)
+        contacts, bests = dict(drawn.contacts), dict(drawn.best)
+        weights = {model.name: model.weight for model in drawn.comparison.models}
+        words = f"{drawn}\n"
+        warn(drawn.warnings)
     else:
+        if not (measured.sigma_v is None and measured.d is None and measured.size_scatter is None):
+            raise ValueError(
+                "--free takes speeds and sizes as exact; leave it out, or their errors"
+            )
         spread: Any = measured.sigma
-        posterior = calibrate(
-            start, measured.v, measured.e, spread, free_fields, draws=draws, seed=seed
-        )
-        contact, best, diagnostics = posterior.contact, posterior.best, f"{posterior}\n"
+        posterior = calibrate(start, measured.v, measured.e, spread, names, draws=draws, seed=seed)
+        contacts, bests = {RING_FORCE: posterior.contact}, {RING_FORCE: posterior.best}
+        words = f"{posterior}\nThe ring force is supposed to be the law.\n"
+        warn(posterior.misfit.warnings)
     if output:
-        write_contacts(output, contact, best)
-    limit = np.atleast_1d(captured_below(contact))
-    ranges = {
-        symbol: _range(getattr(contact, name), getattr(best, name))
-        for symbol, name in _SHORT.items()
-    }
-    ranges["v_c (m/s)"] = _range(limit, captured_below(best))
+        write_contacts(output, contacts, bests)
+    _print_contacts(contacts, bests, weights, words, output, as_json=as_json)
+
+
+def _by_laws(start: Contact, measured: Rebounds, draws: int, seed: int) -> LawDraws:
+    """Draws by several laws."""
+    from microimpact.model.law_draws import calibrate_laws
+
+    sigma: Any = measured.sigma
+    spreads = {name: getattr(measured, name) for name in ("sigma_v", "d", "size_scatter")}
+    try:
+        return calibrate_laws(
+            start, measured.v, measured.e, sigma, **spreads, draws=draws, seed=seed
+        )
+    except ValueError as error:
+        raise ValueError(f"{error}; with --free the ring force alone is drawn") from None
+
+
+def _print_contacts(
+    contacts: Mapping[str, Contact],
+    bests: Mapping[str, Contact],
+    weights: Mapping[str, float],
+    words: str,
+    output: str | None,
+    *,
+    as_json: bool,
+) -> None:
+    """Print parameters by law, and the capture velocity of all draws."""
+    from microimpact.model.dynamics.capture import capture_velocity
+
+    limits = {law: np.atleast_1d(capture_velocity(contact)) for law, contact in contacts.items()}
+    best = next(iter(bests.values()))
+    v_c = _range(np.concatenate([*limits.values()]), capture_velocity(best))
+    by_law = {}
+    for law, contact in contacts.items():
+        ranges = {"v_c (m/s)": _range(limits[law], capture_velocity(bests[law]))}
+        for symbol, name in (SYMBOLS if contact.law is None else {"w_A": SYMBOLS["w_A"]}).items():
+            ranges[symbol] = _range(getattr(contact, name), getattr(bests[law], name))
+        if contact.law is not None:
+            for name, values in contact.law.parameters.items():
+                best_law: Any = bests[law].law
+                ranges[name] = _range(values, getattr(best_law, name))
+        by_law[law] = ranges
     if as_json:
-        print_json({"contacts": ranges, "draws": limit.size, "file": output})
+        laws = {
+            law: {"weight": weights[law], "draws": limits[law].size} | ranges
+            for law, ranges in by_law.items()
+        }
+        draws = sum(each.size for each in limits.values())
+        print_json({"v_c (m/s)": v_c, "laws": laws, "draws": draws, "file": output})
         return
     title = (
         f"{best.particle.name} on {best.surface.name}, {best.diameter * 1e6:g} um, "
         f"friction {best.friction:g} (not from these data)"
     )
-    rows = [(symbol, *map(number, numbers.values())) for symbol, numbers in ranges.items()]
+    rows = [("v_c (m/s)", *map(number, v_c.values()))]
+    for law, ranges in by_law.items():
+        rows += [
+            (f"{law}: {symbol}", *map(number, numbers.values()))
+            for symbol, numbers in ranges.items()
+        ]
     print_table(title, ("", "best", "median", "5 %", "95 %"), rows)
-    click.echo(diagnostics, nl=False)
+    click.echo(words, nl=False)
     if output:
         click.echo(f"Written: {output}")
 
@@ -288,17 +344,6 @@ def _with_interval(value: float, interval: tuple[float, float]) -> list[str]:
     """Format a number and the ends of its interval."""
     low, high = interval
     return [precise(number, high - low) for number in (value, low, high)]
-
-
-def _fields(free: str) -> list[str]:
-    """Fields of a contact by their symbols, separated by commas."""
-    from microimpact.core.nearest import nearest
-
-    names = [name.strip() for name in free.split(",")]
-    for name in names:
-        if name not in _SHORT:
-            raise ValueError(f"--free: {name!r} is none of w_A, c_H, c_A, n{nearest(name, _SHORT)}")
-    return [_SHORT[name] for name in names]
 
 
 def _range(values: Any, best: Any) -> dict[str, float]:

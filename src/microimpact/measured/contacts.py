@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
+from dataclasses import fields as dataclass_fields
 from pathlib import Path
 from typing import Any
 
@@ -14,53 +16,63 @@ from microimpact.core.materials import Material
 from microimpact.core.nearest import nearest
 from microimpact.model.choices import NUMBERS
 from microimpact.model.contact import Contact
+from microimpact.model.contact_laws import LAWS
 
 TEXTS = ("stiffness_model",)
 PARTNER = "partner_diameter"
 
 
-def write_contacts(path: Path | str, contact: Contact, best: Contact) -> None:
+def write_contacts(
+    path: Path | str, contacts: Mapping[str, Contact], best: Mapping[str, Contact]
+) -> None:
     """Write contacts as JSON in SI units.
 
     Parameters
     ----------
     path
         The file.
-    contact
-        One contact, or an array of draws (draws,).
+    contacts
+        By the name of their law, the heaviest first: one contact, or an array of draws (draws,).
     best
-        The best draw.
+        The best draw by each law.
 
     Raises
     ------
     OSError
         If the file cannot be written.
     """
+    first = next(iter(best.values()))
     record: dict[str, Any] = {
-        role: asdict(getattr(contact, role)) for role in ("particle", "surface")
+        role: asdict(getattr(first, role)) for role in ("particle", "surface")
     }
-    for name in NUMBERS:
-        value = getattr(contact, name)
-        record[name] = value if value is None else np.asarray(value).tolist()
-    record |= {name: getattr(contact, name) for name in TEXTS}
-    numbers = {name: getattr(best, name) for name in NUMBERS}
-    if best.is_pair:
-        record[PARTNER] = numbers[PARTNER] = best.partner_diameter
-    record["best"] = {
-        name: value if value is None else float(value) for name, value in numbers.items()
+    record["laws"] = {
+        law: _numbers(contact) | {"best": _numbers(best[law])} for law, contact in contacts.items()
     }
     write_file(path, json.dumps(record, indent=1, allow_nan=False) + "\n")
 
 
-def read_contacts(path: Path | str) -> tuple[Contact, Contact]:
+def _numbers(contact: Contact) -> dict[str, Any]:
+    """Numbers and words of a contact, beside those of its bodies."""
+    names = (*NUMBERS, PARTNER) if contact.is_pair else NUMBERS
+    record = {name: getattr(contact, name) for name in names}
+    if contact.law is not None:
+        record |= {"law": contact.law.name, **contact.law.parameters}
+    plain = {
+        name: value if value is None or isinstance(value, str) else np.asarray(value).tolist()
+        for name, value in record.items()
+    }
+    return plain | {name: getattr(contact, name) for name in TEXTS}
+
+
+def read_contacts(path: Path | str) -> tuple[dict[str, Contact], dict[str, Contact]]:
     """Read a file that `write_contacts` wrote.
 
     Returns
     -------
-    contact
-        Its arrays have the shape (draws, 1), to broadcast with speeds.
+    contacts
+        By law; their arrays have the shape (draws, 1), to broadcast with speeds.
     best
-        The best draw.
+        The best draw by each law.
 
     Raises
     ------
@@ -75,20 +87,37 @@ def read_contacts(path: Path | str) -> tuple[Contact, Contact]:
         bodies: dict[str, Any] = {
             role: Material(**record.pop(role)) for role in ("particle", "surface")
         }
-        best = record.pop("best")
+        laws = {law: (numbers, numbers.pop("best")) for law, numbers in record["laws"].items()}
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ValueError(
             f"{name} must be a file that 'microimpact calibrate -o' wrote: {error}"
         ) from None
-    for key in (*record, *best):
-        if key not in (*NUMBERS, PARTNER, *TEXTS):
-            raise ValueError(f"{name}: {key!r} unknown{nearest(key, NUMBERS)}")
-    texts = {key: record[key] for key in TEXTS if key in record}
-    drawn: dict[str, Any] = {
+    contacts, best = {}, {}
+    try:
+        for law, (numbers, best_numbers) in laws.items():
+            contacts[law] = _contact(bodies, numbers)
+            best[law] = _contact(bodies, best_numbers)
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{name}: {error}") from None
+    return contacts, best
+
+
+def _contact(bodies: Mapping[str, Any], record: Mapping[str, Any]) -> Contact:
+    """Contact of the numbers that `_numbers` returns; arrays become (draws, 1)."""
+    fields: dict[str, Any] = {
         key: np.reshape(value, (-1, 1)) if isinstance(value, list) else value
         for key, value in record.items()
     }
-    try:
-        return Contact(**bodies, **drawn), Contact(**bodies, **best, **texts)
-    except (ValueError, TypeError) as error:
-        raise ValueError(f"{name}: {error}") from None
+    known: tuple[str, ...] = (*NUMBERS, PARTNER, *TEXTS)
+    if "law" in fields:
+        kinds = {kind.name: kind for kind in LAWS}
+        law = kinds.get(fields.pop("law"))
+        if law is None:
+            raise ValueError(f"law must be one of {', '.join(kinds)}, got {record['law']!r}")
+        parameters = {field.name: fields.pop(field.name, None) for field in dataclass_fields(law)}
+        fields["law"] = law(**parameters)
+        known = (*known, "law")
+    for key in fields:
+        if key not in known:
+            raise ValueError(f"{key!r} unknown{nearest(key, NUMBERS)}")
+    return Contact(**bodies, **fields)

@@ -16,5 +16,6 @@ from .empirical.equations import restitution as restitution
 from .empirical.fit import fit_restitution as fit_restitution
 from .law.table import Law as Law
 from .law.table import tabulate as tabulate
+from .law_draws import calibrate_laws as calibrate_laws
 from .posterior import calibrate as calibrate
 from .rigid_body.algebra import rigid_body_rebound as rigid_body_rebound

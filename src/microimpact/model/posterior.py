@@ -6,16 +6,18 @@ does. What is left open comes out as an array of contacts, which every model tak
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Integral
 
 import numpy as np
+import scipy
 
 from microimpact.core import ensemble
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Numbers, Range, checked
 from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact, require_contact
+from microimpact.model.contact_laws import RING_FORCE
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.empirical.data import measurements
 
@@ -27,16 +29,45 @@ RANGES = {
     "adhesion_rate_exponent": (0.0, 1.0),
 }
 FREE = tuple(RANGES)
+SYMBOLS = dict(zip(("w_A", "c_H", "c_A", "n"), FREE, strict=True))
 PER_SPEED = frozenset({"hertz_damping", "adhesion_damping"})
 # Those whose logarithm is uniform in its range; the others are so themselves.
 LOGARITHMIC = frozenset({"work_of_adhesion", "adhesion_damping"})
 
 RESTITUTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
 
+# Misfits that chance brings about more rarely are told.
+REJECTED = 0.01
 SPREAD, WALKERS, STEPS = 13, 40, 450
 # The chains have not come together where their halves differ by more, or where they are worth fewer
 # independent draws than this share of those wanted.
 LARGEST_R_HAT, LEAST_SHARE = 1.1, 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Misfit:
+    """Least chi-square by a law, and the degrees of freedom; as text with its probability."""
+
+    law: str
+    chi_square: float
+    freedom: int
+
+    @property
+    def probability(self) -> float:
+        """Probability that chance brings about such a chi-square or a larger one."""
+        return float(scipy.special.chdtrc(self.freedom, self.chi_square))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warning that the law does not fit, if the misfit is improbable."""
+        return (f"{self.law} does not fit: {self}",) if self.probability < REJECTED else ()
+
+    def __str__(self) -> str:
+        reduced = self.chi_square / max(self.freedom, 1)
+        return (
+            f"reduced chi-square {reduced:.3g} ({self.freedom} degrees of freedom, probability "
+            f"{self.probability:.2g})"
+        )
 
 
 class NoConvergenceError(RuntimeError):
@@ -58,6 +89,8 @@ class Calibration:
         Names of the free fields.
     log_likelihood
         Of each draw (draws,): minus half its chi-square.
+    misfit
+        The least of these.
     acceptance, effective_size, split_r_hat
         Of the sampler: share of accepted moves, independent draws that its steps are worth, and
         per free field the spread between the halves of the chains against that within.
@@ -67,15 +100,15 @@ class Calibration:
     best: Contact
     free: tuple[str, ...]
     log_likelihood: FloatArray = field(repr=False)
+    misfit: Misfit
     acceptance: float
     effective_size: float
     split_r_hat: Mapping[str, float]
 
     def __str__(self) -> str:
-        least = -2.0 * self.log_likelihood.max()
         lines = [
-            f"{self.log_likelihood.size} draws, least chi-square {least:.3g}; "
-            f"acceptance {self.acceptance:.2f}, effective size {self.effective_size:.0f}"
+            f"{self.log_likelihood.size} draws; {self.misfit}; acceptance {self.acceptance:.2f}, "
+            f"effective size {self.effective_size:.0f}"
         ]
         for name in self.free:
             low, middle, high = np.quantile(getattr(self.contact, name), [0.05, 0.5, 0.95])
@@ -91,15 +124,16 @@ def calibrate(
     v: Numbers,
     e: Numbers,
     sigma: Numbers,
-    free: Iterable[str] = ("work_of_adhesion", "hertz_damping", "adhesion_damping"),
+    free: Iterable[str] = FREE,
     *,
     ranges: Mapping[str, tuple[float, float]] | None = None,
     draws: int = 400,
     steps: int = STEPS,
     seed: int = 0,
 ) -> Calibration:
-    """Draw the contacts that measured restitutions in normal impacts admit.
+    """Draw the contacts by the ring force that measured restitutions in normal impacts admit.
 
+    `microimpact.model.law_draws.calibrate_laws` does not suppose this law.
     The likelihood is normal in e. Within their ranges the logarithms of w_A and c_A are uniform
     before the data, and so are c_H, which adds to the loss, and n.
 
@@ -114,8 +148,9 @@ def calibrate(
     sigma
         Standard errors of e, positive: one for all, or (m,).
     free
-        Names of fields to be drawn: ``work_of_adhesion``, ``hertz_damping``,
-        ``adhesion_damping``, ``adhesion_rate_exponent``.
+        Fields to be drawn: ``work_of_adhesion`` or ``w_A``, ``hertz_damping`` or ``c_H``,
+        ``adhesion_damping`` or ``c_A``, ``adhesion_rate_exponent`` or ``n``. Where n is, and the
+        contact has no reference velocity, that is the geometric mean of the speeds.
     ranges
         Ends of a free field's range, by name, in its unit. If not given: w_A from 0.001 to
         10 J/m2, n from 0 to 1, and with the highest speed v: c_H v up to 10, c_A v from 0.001
@@ -143,13 +178,11 @@ def calibrate(
     require_contact(contact, pair=True)
     if contact.shape:
         raise ValueError(f"contact must be a single one, got one of shape {contact.shape}")
-    names = _free(free, contact)
+    names = free_fields(free)
     speed, target, error = _data(v, e, sigma)
-    for name, value, least in (("draws", draws, 1), ("steps", steps, 30), ("seed", seed, 0)):
-        if isinstance(value, bool) or not isinstance(value, Integral):
-            raise TypeError(f"{name} must be a whole number, got {value!r}")
-        if value < least:
-            raise ValueError(f"{name} must be at least {least}, got {value}")
+    if "adhesion_rate_exponent" in names and contact.reference_velocity is None:
+        contact = contact.replace(reference_velocity=float(np.exp(np.mean(np.log(speed)))))
+    require_whole_numbers(draws=(draws, 1), steps=(steps, 30), seed=(seed, 0))
     ends = np.array([_range(name, ranges or {}, float(speed.max())) for name in names])
     for name in ranges or {}:
         if name not in names:
@@ -168,13 +201,7 @@ def calibrate(
     chain = ensemble.draw(
         log_likelihood, *ends.T, draws=draws, spread=SPREAD, walkers=WALKERS, steps=steps, seed=seed
     )
-    worst = int(np.argmax(chain.split_r_hat))
-    if chain.split_r_hat[worst] > LARGEST_R_HAT or chain.effective_size < LEAST_SHARE * draws:
-        raise NoConvergenceError(
-            f"the chains have not come together in {steps} steps: they are worth "
-            f"{chain.effective_size:.0f} independent draws, and split R-hat of {names[worst]} is "
-            f"{chain.split_r_hat[worst]:.3f}; give more steps, narrower ranges, or fewer free"
-        )
+    require_convergence(chain, draws, steps, names)
     chosen = contacts(chain.points)
     arrays = {name: getattr(chosen, name)[:, 0] for name in names}
     best = int(np.argmax(chain.log_density))
@@ -183,25 +210,54 @@ def calibrate(
         best=contact.replace(**{name: float(value[best]) for name, value in arrays.items()}),
         free=names,
         log_likelihood=chain.log_density,
+        misfit=Misfit(RING_FORCE, -2.0 * chain.log_density.max(), speed.size - len(names)),
         acceptance=chain.acceptance,
         effective_size=chain.effective_size,
         split_r_hat=dict(zip(names, chain.split_r_hat.tolist(), strict=True)),
     )
 
 
-def _free(free: Iterable[str], contact: Contact) -> tuple[str, ...]:
+def require_whole_numbers(**numbers: tuple[object, int]) -> None:
+    """Raise TypeError or ValueError unless arguments, each with its least value, are such."""
+    for name, (value, least) in numbers.items():
+        if isinstance(value, bool) or not isinstance(value, Integral):
+            raise TypeError(f"{name} must be a whole number, got {value!r}")
+        if value < least:
+            raise ValueError(f"{name} must be at least {least}, got {value}")
+
+
+def has_converged(chain: ensemble.Draws, draws: int) -> bool:
+    """Tell whether chains agree and are worth so many draws."""
+    agree = chain.split_r_hat.max() <= LARGEST_R_HAT
+    return bool(agree and chain.effective_size >= LEAST_SHARE * draws)
+
+
+def require_convergence(
+    chain: ensemble.Draws, draws: int, steps: int, names: Sequence[str], law: str = ""
+) -> None:
+    """Raise NoConvergenceError if chains over named axes are not worth so many draws."""
+    worst = int(np.argmax(chain.split_r_hat))
+    if not has_converged(chain, draws):
+        raise NoConvergenceError(
+            f"the chains {f'of {law} ' if law else ''}have not come together in {steps} steps: "
+            f"they are worth {chain.effective_size:.0f} independent draws, and split R-hat of "
+            f"{names[worst]} is {chain.split_r_hat[worst]:.3f}; give "
+            f"{'fewer draws' if law else 'more steps, narrower ranges, or fewer free'}"
+        )
+
+
+def free_fields(free: Iterable[str]) -> tuple[str, ...]:
+    """Return the fields of a contact by their names or symbols."""
     names = (free,) if isinstance(free, str) else tuple(free)
     for name in names:
-        if name not in FREE:
+        if name not in SYMBOLS and name not in FREE:
+            known = (*SYMBOLS, *FREE)
             raise ValueError(
-                f"free must be among {', '.join(FREE)}, got {name!r}{nearest(str(name), FREE)}"
+                f"free must be among {', '.join(known)}, got {name!r}{nearest(str(name), known)}"
             )
+    names = tuple(SYMBOLS.get(name, name) for name in names)
     if not names or len(set(names)) < len(names):
         raise ValueError(f"free must name one field or more, each once, got {names}")
-    if "adhesion_rate_exponent" in names and contact.reference_velocity is None:
-        raise ValueError(
-            "contact must have a reference_velocity where adhesion_rate_exponent is free"
-        )
     return names
 
 

@@ -14,8 +14,10 @@ import pandas as pd
 import pytest
 from tests.shared import ROOT, execute
 
-from microimpact import Contact, Material, cli, simulate
+from microimpact import Contact, Material, capture_velocity, cli, simulate
 from microimpact.core.materials import declared_file
+from microimpact.measured.contacts import write_contacts
+from microimpact.model.contact_laws import JKR
 
 STEEL = ("--particle", "stainless-steel-316", "--surface", "silicon")
 FLUORESCEIN = ("--particle", "ammonium-fluorescein", "--surface", "molybdenum")
@@ -483,15 +485,18 @@ def test_calibrated_contacts_go_from_command_to_command(microimpact, answered, t
     names = {"speed_m_per_s": "v", "coefficient_of_restitution": "e"}
     table[list(names)].rename(columns=names).assign(sigma=0.02).to_csv(data, index=False)
     found = answered("calibrate", str(data), *STEEL, "--draws", "50", "-o", str(file))
-    limits = found["contacts"]["v_c (m/s)"]
+    limits = found["v_c (m/s)"]
     assert limits["low"] < 0.18 < limits["high"]
-    best = json.loads(file.read_text(encoding="utf-8"))["best"]
-    assert found["contacts"]["c_H"]["best"] == best["hertz_damping"]  # every digit
+    laws = json.loads(file.read_text(encoding="utf-8"))["laws"]
+    best = laws["ring force"]["best"]["hertz_damping"]
+    assert found["laws"]["ring force"]["c_H"]["best"] == best  # every digit
+    assert sum(law["draws"] for law in found["laws"].values()) == 50
     answer = answered("simulate", "--contact", str(file), "--speed", "1:1.5:2")
     e = answer["outputs"]["coefficient_of_restitution"]
     assert np.all(np.less_equal(e["low"], e["value"]))
     assert np.all(np.less(np.subtract(e["high"], e["low"]), 0.2))
-    assert len(answer["inputs"]["hertz_damping"]) == 50
+    at_other_size = microimpact("capture", "--contact", str(file), "--diameter-um", "20")
+    assert re.search(r"extrapolated to 20 um, .* by ring force", at_other_size.stderr)
     capture = answered("capture", "--contact", str(file))
     assert len(capture["outputs"]["capture_velocity"]) == 50
     assert "5 to 95 %" in microimpact("simulate", "--contact", str(file), "--speed", "1").stdout
@@ -499,9 +504,32 @@ def test_calibrated_contacts_go_from_command_to_command(microimpact, answered, t
     assert "best of 50" in microimpact("export", "--contact", str(file), "-o", str(folder)).stdout
 
 
+def test_contacts_by_jkr_go_from_command_to_command(microimpact, answered, tmp_path):
+    """The ring force's best is exported; where it has none, that is said."""
+    body = Material(name="glass", youngs_modulus=7e10, poissons_ratio=0.22, density=2500.0)
+    contact = Contact(
+        particle=body, surface=body, diameter=30e-6, work_of_adhesion=0.2,
+        law=JKR(viscous_time=np.array([3e-9, 4e-9])),
+    )  # fmt: skip
+    file, jkr = tmp_path / "jkr.json", "viscous JKR"
+    write_contacts(file, {jkr: contact}, {jkr: contact.at(0)})
+    outputs = answered("capture", "--contact", str(file))["outputs"]
+    assert outputs["capture_velocity"] == pytest.approx(capture_velocity(contact))
+    text = microimpact("simulate", "--contact", str(file), "--speed", "1").stdout
+    assert "jkr, viscous_time = 3e-09" in text
+    done = microimpact("export", "--contact", str(file), "-o", str(tmp_path / "law"))
+    require_refusal(done, "a table has the law 'ring force', by which")
+    plain = contact.by_law(JKR(), 0.2).replace(law=None)
+    write_contacts(
+        file, {jkr: contact, "ring force": plain}, {jkr: contact.at(0), "ring force": plain}
+    )
+    done = microimpact("export", "--contact", str(file), "-o", str(tmp_path / "law"))
+    assert "the best by the ring force is written" in done.stderr
+
+
 def test_two_numbers_calibrate_too(answered):
     targets = ("--restitution", "0.7", "--at-speed", "1.66", "--capture-velocity", "0.18")
-    found = answered("calibrate", *STEEL, *targets)["contacts"]
+    found = answered("calibrate", *STEEL, *targets)["laws"]["ring force"]
     assert found["c_H"]["best"] == pytest.approx(0.2148, rel=1e-3)
     assert found["c_A"]["best"] == pytest.approx(1.612, rel=1e-3)
 
@@ -516,7 +544,7 @@ def test_two_numbers_calibrate_too(answered):
         ),
         (("own.csv", *STEEL, "--restitution", "0.7"), "give either DATA"),
         (("nowhere.csv", *STEEL), "nowhere.csv"),
-        (("nowhere.csv", *STEEL, "--free", "w"), "--free: 'w' is none of w_A"),
+        (("nowhere.csv", *STEEL, "--free", "w"), "free must be among w_A, c_H, c_A, n, work_of"),
         (
             (*STEEL, "--work-of-adhesion", "0.01", "--restitution", "0.9", "--at-speed", "0.3",
              "--capture-velocity", "0.18"),

@@ -11,8 +11,11 @@ from pydantic import ValidationError
 from microimpact import capture_velocity, restitution, simulate
 from study.declared.parameters import build, explain
 from study.studies.models.fit_coverage import (
+    TRIED,
     Design,
     Params,
+    Spheres,
+    averaged_designs,
     fit_designs,
     measured,
     true_contact,
@@ -25,8 +28,7 @@ FEW = {"sets": 60, "lowest_speeds_in_v_c": [1.05, 1.5]}
 
 @pytest.fixture(scope="module")
 def earlier(made, calibration):
-    names = {"restitution_fits": "restitution_fits", "inference": "evidence_summary"}
-    return calibration | {table: made(study)[table] for study, table in names.items()}
+    return calibration | {"restitution_fits": made("restitution_fits")["restitution_fits"]}
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +57,7 @@ def test_every_design_is_there_once(tables):
     table = tables["fit_coverage"]
     assert not table.duplicated(["truth", "noise_of_e", "lowest_speed_in_v_c", "exponent"]).any()
     assert len(table) == 2 * 2 * 2 * 2
-    assert len(tables["averaged_intervals"]) == 4 * 2
+    assert len(tables["averaged_intervals"]) == 2
     assert not table.isna().any().any()
     assert (table["rms_error"] >= table["bias"].abs()).all()
     assert (table["coverage_low"] < table["coverage_high"]).all()
@@ -74,13 +76,12 @@ def test_truths_are_the_curves_themselves(branch, inputs):
     assert true_curve(params, inputs, "Eq. 34", ratio) == pytest.approx(e, rel=1e-12)
 
 
-def test_the_viscous_truth_is_the_middle_of_its_posterior(branch, inputs):
-    contact = true_contact(build(Params, branch), inputs, "viscous JKR")
-    of = "law == 'JKR, viscous' and scenario == 'with the printed v_c'"
-    fitted = inputs["evidence_summary"].query(of).set_index("quantity")["median"]
-    assert contact.work_of_adhesion == fitted["work_of_adhesion_J_per_m2"]
-    assert contact.law.viscous_time == pytest.approx(1e-9 * fitted["viscous_time_ns"])
-    assert capture_velocity(contact) == pytest.approx(fitted["v_c_m_per_s"], rel=0.05)
+def test_laws_have_the_capture_velocity_of_steel(branch, inputs):
+    params = build(Params, branch)
+    for truth, law in {"viscous JKR": "jkr", "Thornton-Ning": "thornton-ning"}.items():
+        contact = true_contact(params, inputs, truth)
+        assert contact.law.name == law
+        assert capture_velocity(contact) == pytest.approx(0.18, rel=0.03)
 
 
 def test_noise_is_independent_between_designs_and_of_the_declared_size(branch, inputs):
@@ -131,13 +132,38 @@ def test_the_exponent_of_the_threshold_is_not_that_of_the_simulated_curve(cell):
     assert cell["simulation", 0.01, "free", 1.05]["bias"] < 0
 
 
-def test_the_averaged_interval_holds_v_c_of_every_shape(tables):
-    table = tables["averaged_intervals"].set_index(["truth", "lowest_speed_in_v_c"])
-    assert table["held"].min() >= 51, "of 60; 50 or fewer are 0.1 % at 95 %"
-    near, far = (table.xs(lowest, level=1) for lowest in (1.05, 1.5))
-    assert (near["median_width"] < 0.1).all()
-    assert (far["median_width"] > 0.4).all()
-    assert (far["warned"] > 0.9).all(), "no speed is near capture"
+def test_intervals_hold_v_c_where_the_scatter_is_told_and_warn_where_it_is_not(tables):
+    """Of the designs that this run computes, by 60 sets, and of the file, by 200."""
+    exact, scattered = tables["averaged_intervals"].itertuples()
+    assert exact.held >= 51, "of 60; 50 or fewer are 0.1 % at 95 %"
+    assert scattered.held < 51
+    assert scattered.missed_without_warning <= 0.1 * (60 - scattered.held)
+    told = TRIED[TRIED["scatter"] != "exact"]
+    assert told["coverage"].min() > 0.9
+    assert abs(told["coverage"].mean() - 0.95) < 0.03
+    others = TRIED[TRIED["scatter"] == "exact"]
+    missed = (others["sets"] - others["held"]).sum()
+    assert others["missed_without_warning"].sum() <= 0.1 * missed
+
+
+def test_designs_of_the_file_are_what_the_study_computes(branch, inputs):
+    """Speeds have errors, some spheres stay, and v_c of a smaller one is higher."""
+    params = build(Params, {**branch, "averaged": {**branch["averaged"], "designs": "all"}})
+    assert len(averaged_designs(params)) == len(TRIED)
+    spheres = Spheres(size_scatter=0.07, speed_error=0.02)
+    v, e = measured(params, inputs, Design("viscous JKR", 0.01, 1.05), spheres)
+    assert np.std(np.log(v / np.median(v, axis=0))) == pytest.approx(0.02, rel=0.1)
+    assert 0.05 < np.mean(e[:, 0] == 0.0) < 0.5
+    for truth in ("Eq. 34", "Thornton-Ning", "foreign curve"):
+        curve = true_curve(
+            params, inputs, truth, np.array([0.99, 1.01, 1.01]), np.array([1, 1, 0.9])
+        )
+        assert list(curve > 0.0) == [False, True, False]
+
+
+def test_a_design_that_is_not_in_the_file_is_refused(run_study, earlier):
+    with pytest.raises(ValueError, match=r"averaged\.designs: 'viscous' is no design"):
+        run_study("fit_coverage", earlier, **FEW, averaged={"designs": ["viscous"]})
 
 
 def test_other_designs_do_not_change_a_design(run_study, earlier, tables):
@@ -145,7 +171,7 @@ def test_other_designs_do_not_change_a_design(run_study, earlier, tables):
         "sets": 60,
         "lowest_speeds_in_v_c": [1.5],
         "noise_of_e": [0.03],
-        "averaged": {"lowest_speeds_in_v_c": [1.5], "cases": ["steel-silicon, n = 1"]},
+        "averaged": {"designs": ["viscous JKR, one size, taken as exact"]},
     }
     fewer = run_study("fit_coverage", earlier, **alone)["fit_coverage"]
     same = tables["fit_coverage"].query("lowest_speed_in_v_c == 1.5 and noise_of_e == 0.03")

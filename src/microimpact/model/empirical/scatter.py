@@ -154,6 +154,20 @@ def profile(
     return Minima(least, x, np.ones(v_c.size, bool), least[None])
 
 
+def deviances(law: str | None, sets: DataSets, v_c: FloatArray, x: FloatArray) -> FloatArray:
+    """Deviance (m,) of one data set at capture velocities (m,) and variables (m, 6)."""
+    assert sets.scatter is not None
+    data, table = _data(sets, sets.scatter)[0], _table(law)
+    moments = np.empty((sets.v.shape[1], 2))
+    gradient, information = np.empty(SCATTERED), np.empty((SCATTERED, SCATTERED))
+    return np.array(
+        [
+            deviance(table, _SCALE, data, limit, variables, gradient, information, moments)
+            for limit, variables in zip(v_c, x, strict=True)
+        ]
+    )
+
+
 def expected(law: str | None, sets: DataSets, v_c: float, x: FloatArray) -> FloatArray:
     """Mean and variance (n, 2) of e of the rebounds of one data set; zeros of captured spheres.
 

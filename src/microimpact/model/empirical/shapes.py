@@ -40,7 +40,8 @@ LONGEST, SHORTEST = 0.3, 1e-6
 
 # Materials and size set units alone.
 _BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.25, density=2500.0)
-_ANY = Contact(particle=_BODY, surface=_BODY, diameter=20e-6, work_of_adhesion=0.1)
+WORK = 0.1
+_ANY = Contact(particle=_BODY, surface=_BODY, diameter=20e-6, work_of_adhesion=WORK)
 _SPEED = float(np.asarray(_ANY.velocity_scale))
 Axis = tuple[float, float, int]
 
@@ -113,6 +114,14 @@ LAWS = {
     ),
     "fixed loss": Law(axes=((0.01, 1.0, ONE), NONE), contact=None),
 }
+
+
+def contact(name: str, first: FloatArray, second: FloatArray) -> Contact:
+    """Contact of the tables by two parameters of a law other than a fixed loss."""
+    law = LAWS[name].contact
+    if law is None:
+        raise ValueError(f"{name} is no law of contact")
+    return law(first, second)
 
 
 @cache

@@ -19,9 +19,9 @@ GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
 
 @style.context()
 def draw(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw panels in two columns, one for each true curve, with thin lines to guide the eye.
+    """Draw panels in two columns; those of one true curve have thin lines to guide the eye.
 
-    A panel is called ``quantity, truth``; the series of a ``coverage`` are moved apart.
+    Such a panel is called ``quantity, truth``; the series of a ``coverage`` are moved apart.
     """
     (table,) = tables.values()
     figure, axes = style.new_figure(spec)
@@ -32,7 +32,8 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
             names = [n for n in panel.series if n in present]
             rows = style.apart(rows, names, APART ** (1.0 / max(len(names) - 1, 1)))
         style.draw_panel(ax, rows, panel, name)
-        _guide(ax, rows, panel)
+        if ", " in name:
+            _guide(ax, rows, panel)
     style.legend_above(figure, axes.values(), 4)
     style.evidence_key(figure, table["evidence"])
     return figure

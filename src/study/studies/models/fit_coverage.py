@@ -3,6 +3,9 @@
 Data sets have the restitution of a true curve with noise, over speeds from a lowest one upwards;
 spheres that seem captured are not among them. Every design has random numbers of its own, by what
 it is, so that designs are independent and none changes with the others.
+
+Designs of the average, and what they gave, are the rows of ``config/fit_coverage.csv``. A run
+computes those that it names anew; ``config/examples/fit-coverage.yaml`` all of them.
 """
 
 from __future__ import annotations
@@ -11,8 +14,8 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain, islice, product
-from typing import Annotated, NamedTuple
+from itertools import chain, product
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -20,9 +23,11 @@ import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.bounds import AboveOne, Count, Positive
+from microimpact.core.bounds import AboveOne, Count, Name, Positive
+from microimpact.core.materials import declared_file
+from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact
-from microimpact.model.contact_laws import JKR
+from microimpact.model.contact_laws import JKR, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.comparison import Comparison, compare_sets
@@ -33,20 +38,43 @@ from microimpact.model.empirical.search import BatchFit, fit_batch
 from microimpact.statistics.distributions import generator
 from microimpact.statistics.intervals import wilson_interval
 from study.declared.parameters import CaseName
-from study.studies.contacts import Posterior, calibrated_contact
-from study.tables import POINTS, Row, Tables, series_frame
+from study.studies.contacts import calibrated_contact
+from study.tables import POINTS, Row, Tables, read_table, series_frame
 
 NEEDS = {
     "calibration": ("calibration",),
     "restitution_fits": ("restitution_fits",),
-    "inference": ("evidence_summary",),
 }
 
 ANALYSIS = 34
-EQ_34, SIMULATION, VISCOUS = "Eq. 34", "simulation", "viscous JKR"
+EQ_34, SIMULATION, VISCOUS, PLASTIC = "Eq. 34", "simulation", "viscous JKR", "Thornton-Ning"
+# e = 0.85 sqrt(1 - (v_c/v)^2) (v_c/v)^(1/4), which no model has.
+FOREIGN = "foreign curve"
+LARGEST_E, FALL = 0.85, 0.25
+# v_c ~ 1/d^n of the curves without a contact: Dahneke (1971), and the work of a JKR contact.
+EXPONENTS = {EQ_34: 1.0, FOREIGN: 5.0 / 6.0}
+ENDS = ("coverage_low", "coverage_high")
+# Between marks of the same scatter, %.
+APART = 0.3
 QUANTITIES = {"bias": "bias", "rms_error": "rms", "coverage": "coverage"}
 
 Speeds = Annotated[tuple[AboveOne, ...], Field(min_length=1)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Viscous:
+    """JKR contact with a viscous bulk."""
+
+    work_of_adhesion_J_per_m2: Positive  # noqa: N815
+    viscous_time_ns: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plastic:
+    """Contact of Thornton and Ning."""
+
+    work_of_adhesion_J_per_m2: Positive  # noqa: N815
+    yield_pressure_GPa: Positive  # noqa: N815
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,10 +82,10 @@ class Averaged:
     """Designs in which every data set is fitted by all models."""
 
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]  # Contacts with a ring force
-    # The JKR contact with a viscous bulk: medians of this posterior.
-    viscous: Posterior
-    lowest_speeds_in_v_c: Speeds
-    noise_of_e: Positive
+    viscous: Viscous
+    plastic: Plastic
+    # Of the file, to be computed
+    designs: Annotated[tuple[Name, ...], Field(min_length=1)] | Literal["all"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +106,7 @@ class Params:
 
     def __post_init__(self) -> None:
         """Refuse a lowest speed that is not below the highest."""
-        largest = max(*self.lowest_speeds_in_v_c, *self.averaged.lowest_speeds_in_v_c)
+        largest = max(*self.lowest_speeds_in_v_c, *TRIED["lowest_speed_in_v_c"].astype(float))
         if largest >= self.highest_speed_in_v_c:
             raise ValueError(
                 f"highest_speed_in_v_c: {self.highest_speed_in_v_c:g} must be above every lowest "
@@ -94,24 +122,60 @@ class Design(NamedTuple):
     lowest_speed_in_v_c: float
 
 
+class Spheres(NamedTuple):
+    """Relative standard deviations of diameters and speeds, and whether captured ones are kept."""
+
+    size_scatter: float = 0.0
+    speed_error: float = 0.0
+    captured: str = "dropped"  # or "kept"
+
+
+class Analysis(NamedTuple):
+    """Knowledge that a fit has of the errors."""
+
+    sigma: str  # "given", or "estimated"
+    scatter: str  # "exact": nothing of sizes and speeds; "given"; "free": the sizes are to be found
+    models: str  # "all", or the name of one
+
+
+class Trial(NamedTuple):
+    """Data sets of one kind and their analysis."""
+
+    design: Design
+    spheres: Spheres
+    analysis: Analysis
+
+
+ALIKE = Spheres()
+TRIED = read_table(declared_file("fit_coverage.csv"))
+
+
 def fit_designs(params: Params) -> list[Design]:
     """Designs in which Eq. (34) alone is fitted."""
     levels = (EQ_34, SIMULATION), params.noise_of_e, params.lowest_speeds_in_v_c
     return [Design(*level) for level in product(*levels)]
 
 
-def averaged_designs(params: Params) -> list[Design]:
-    """Designs in which all models are fitted."""
-    settings = params.averaged
-    truths, noise = (EQ_34, *settings.cases, VISCOUS), settings.noise_of_e
-    return [Design(*level) for level in product(truths, (noise,), settings.lowest_speeds_in_v_c)]
+def averaged_designs(params: Params) -> dict[str, Trial]:
+    """Designs in which all models are fitted, by name."""
+    known = list(TRIED["design"])
+    names = known if params.averaged.designs == "all" else params.averaged.designs
+    for name in names:
+        if name not in known:
+            raise ValueError(f"averaged.designs: {name!r} is no design{nearest(name, known)}")
+    rows: Any = TRIED.set_index("design").loc[list(names)]
+    return {
+        name: Trial(*(kind(*row[list(kind._fields)]) for kind in (Design, Spheres, Analysis)))  # type: ignore[arg-type]
+        for name, row in rows.iterrows()
+    }
 
 
 def run(params: Params, inputs: Tables) -> Tables:
     """Measure bias, error and coverage of v_c in every design.
 
     ``fit_coverage``: errors of v_c by Eq. (34) and coverage of its profile interval, with q free
-    and fixed. ``averaged_intervals``: coverage, width and warnings of the average of all models.
+    and fixed. ``averaged_intervals``: coverage, width and warnings of the average of all models in
+    the designs that the run names; of the others those of the file are drawn.
     ``capture_recovery``, ``averaged_coverage``: data of the figures. Raises ValueError if noise
     hides so many rebounds that too few are left to fit.
     """
@@ -122,46 +186,71 @@ def run(params: Params, inputs: Tables) -> Tables:
     return {
         "fit_coverage": fits,
         "averaged_intervals": averages,
-        "averaged_coverage": averaged_figure(averages, params.confidence),
+        "averaged_coverage": averaged_figure(_with_tried(averages), params.confidence),
         "capture_recovery": fit_figure(fits, params.confidence),
     }
 
 
 def true_contact(params: Params, inputs: Tables, truth: str) -> Contact:
     """Contact whose simulated restitution is a true curve."""
-    if truth != VISCOUS:
+    settings = params.averaged
+    if truth not in {VISCOUS, PLASTIC}:
         return calibrated_contact(inputs, params.case if truth == SIMULATION else truth)
-    table, viscous = inputs["evidence_summary"], params.averaged.viscous
-    for column in ("case", "scenario", "law"):
-        table = table[table[column] == getattr(viscous, column)]
-    fit = table.set_index("quantity")["median"]
-    law = JKR(viscous_time=1e-9 * float(fit["viscous_time_ns"]))
-    work = float(fit["work_of_adhesion_J_per_m2"])
-    return calibrated_contact(inputs, params.averaged.cases[0]).by_law(law, work)
+    bare = calibrated_contact(inputs, settings.cases[0])
+    if truth == VISCOUS:
+        viscous = settings.viscous
+        law = JKR(viscous_time=1e-9 * viscous.viscous_time_ns)
+        return bare.by_law(law, viscous.work_of_adhesion_J_per_m2)
+    plastic = settings.plastic
+    yielding = ThorntonNing(yield_pressure=1e9 * plastic.yield_pressure_GPa)
+    return bare.by_law(yielding, plastic.work_of_adhesion_J_per_m2)
 
 
-def true_curve(params: Params, inputs: Tables, truth: str, ratio: FloatArray) -> FloatArray:
-    """True restitution at speeds ratio (n,) in units of the true capture velocity."""
-    if truth != EQ_34:
+def true_curve(
+    params: Params, inputs: Tables, truth: str, ratio: FloatArray, size: FloatArray | float = 1.0
+) -> FloatArray:
+    """True restitution at speeds ratio (..., n) in units of the true capture velocity.
+
+    Parameters
+    ----------
+    truth
+        Name of the curve.
+    ratio
+        Speeds over the capture velocity of the median sphere.
+    size
+        Diameters over that of the median sphere, of the same shape or one number.
+    """
+    if truth not in EXPONENTS:
         contact = true_contact(params, inputs, truth)
-        return simulate(contact, ratio * capture_velocity(contact)).coefficient_of_restitution
+        sized = contact.replace(diameter=size * contact.diameter)
+        return simulate(sized, ratio * capture_velocity(contact)).coefficient_of_restitution
+    limit = size ** -EXPONENTS[truth]
+    if truth == FOREIGN:
+        share = np.minimum(limit / ratio, 1.0)
+        return np.asarray(LARGEST_E * np.sqrt(1.0 - share**2) * share**FALL)
     fits = inputs["restitution_fits"]
     fits = fits[~fits["evidence"].isin(POINTS)]
     fit = fits[(fits["case"] == params.case) & (fits["exponent"] == "fixed")]
     if fit.empty:
         raise ValueError(f"case: {params.case!r} must be one with a fit in restitution_fits")
     names = ("k_m_per_s", "p", "kappa_m_per_s", "q", "v_c_m_per_s")
-    constants = [float(fit[name].iloc[0]) for name in names]
-    return restitution(ratio * constants[-1], *constants)
+    k, p, kappa, q, v_c = (float(fit[name].iloc[0]) for name in names)
+    # All speeds of a smaller sphere are higher by as much as its v_c.
+    return restitution(ratio / limit * v_c, k, p, kappa, q, v_c)
 
 
-def measured(params: Params, inputs: Tables, design: Design) -> tuple[FloatArray, FloatArray]:
-    """Speeds (n,) in true v_c and measured restitutions (sets, n), 0 where none is seen."""
+def measured(
+    params: Params, inputs: Tables, design: Design, spheres: Spheres = ALIKE
+) -> tuple[FloatArray, FloatArray]:
+    """Speeds in true v_c and measured restitutions, 0 where none is seen, both (sets, n)."""
     ratio = np.geomspace(design.lowest_speed_in_v_c, params.highest_speed_in_v_c, params.points)
-    curve = true_curve(params, inputs, design.truth, ratio)
-    rng = generator(params.seed, ANALYSIS, zlib.crc32(repr(design).encode()))
-    noise = design.noise_of_e * rng.standard_normal((params.sets, params.points))
-    return ratio, np.clip(curve + noise, 0.0, 1.0)
+    kind = (design,) if spheres == ALIKE else (design, spheres)
+    rng = generator(params.seed, ANALYSIS, *(zlib.crc32(repr(part).encode()) for part in kind))
+    noise, sizes, errors = rng.standard_normal((3, params.sets, params.points))
+    size = np.exp(spheres.size_scatter * sizes) if spheres.size_scatter else 1.0
+    curve = true_curve(params, inputs, design.truth, ratio, size)
+    e = np.clip(curve + design.noise_of_e * noise, 0.0, 1.0)
+    return ratio * np.exp(spheres.speed_error * errors), np.where(curve > 0.0, e, 0.0)
 
 
 def _fit_rows(params: Params, inputs: Tables, q: float | None) -> Iterator[Row]:
@@ -216,15 +305,31 @@ def _coverage(ends: FloatArray) -> Row:
 
 
 def _averaged_rows(params: Params, inputs: Tables) -> Iterator[Row]:
-    """Rows of the average of all models, all data sets compared together."""
-    designs = averaged_designs(params)
-    rebounds: list[tuple[FloatArray, FloatArray, float]] = []
-    for design in designs:
-        ratio, measurements = measured(params, inputs, design)
-        rebounds += [(ratio[e > 0.0], e[e > 0.0], design.noise_of_e) for e in measurements]
-    comparisons = iter(compare_sets(rebounds, confidence=params.confidence))
-    for design in designs:
-        yield design._asdict() | _averaged(list(islice(comparisons, params.sets)))
+    """Rows of the average of all models, all data sets of a design compared together."""
+    for name, trial in averaged_designs(params).items():
+        rebounds = measured(params, inputs, trial.design, trial.spheres)
+        data = [_arguments(trial, v, e) for v, e in zip(*rebounds, strict=True)]
+        models = None if trial.analysis.models == "all" else [trial.analysis.models]
+        comparisons = compare_sets(data, confidence=params.confidence, models=models)
+        factors = {key: value for part in trial for key, value in part._asdict().items()}
+        yield {"design": name} | factors | _averaged(comparisons)
+
+
+def _arguments(trial: Trial, v: FloatArray, e: FloatArray) -> tuple[Any, ...]:
+    """Arguments of `compare_models` for one data set (n,)."""
+    design, spheres, analysis = trial
+    kept = (e > 0.0) | (spheres.captured == "kept")
+    sigma = design.noise_of_e if analysis.sigma == "given" else None
+    if analysis.scatter == "exact":
+        return v[kept], e[kept], sigma
+    size = "free" if analysis.scatter == "free" else spheres.size_scatter
+    return v[kept], e[kept], sigma, spheres.speed_error * v[kept], None, size
+
+
+def _with_tried(averages: pd.DataFrame) -> pd.DataFrame:
+    """Rows of all designs: those of this run, and of the file where it has none."""
+    others = TRIED[~TRIED["design"].isin(averages["design"]) & TRIED["sets"].notna()]
+    return pd.concat([averages, others], ignore_index=True)
 
 
 def _averaged(comparisons: list[Comparison]) -> Row:
@@ -263,11 +368,32 @@ def fit_figure(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
 
 
 def averaged_figure(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
-    """Coverage and median width of the average over the lowest speed, by true curve."""
-    frames = [
-        _marks(panel, str(truth), rows, column)
-        for truth, rows in table.groupby("truth", sort=False)
-        for panel, column in {"coverage": "coverage", "width": "median_width"}.items()
-    ]
-    x = table["lowest_speed_in_v_c"].agg(["min", "max"]).to_numpy(float)
-    return pd.concat([*frames, _frame("coverage", "nominal", x, confidence)], ignore_index=True)
+    """Coverage over the scatter of v_c, by true curve: taken as exact, and allowed for.
+
+    Designs of the same scatter are moved apart.
+    """
+    squares = table[["size_scatter", "speed_error"]].astype(float) ** 2
+    scatter = 100.0 * squares.sum(axis=1) ** 0.5
+    frames = []
+    for panel, chosen in {
+        "taken as exact": table["scatter"] == "exact",
+        "allowed for": table["scatter"] != "exact",
+    }.items():
+        at = scatter[chosen].round(6)
+        number, many = at.groupby(at).cumcount(), at.groupby(at).transform("size")
+        x = at + APART * (number - 0.5 * (many - 1.0))
+        for truth, rows in table[chosen].groupby("truth", sort=False):
+            coverage = [rows[name].astype(float) for name in ("coverage", *ENDS)]
+            frames.append(
+                _frame(
+                    panel,
+                    str(truth),
+                    x[rows.index],
+                    coverage[0],
+                    "virtual experiment",
+                    *coverage[1:],
+                )
+            )
+        ends = np.array([x.min(), x.max()])
+        frames.append(_frame(panel, "nominal", ends, confidence))
+    return pd.concat(frames, ignore_index=True)
