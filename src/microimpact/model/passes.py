@@ -158,7 +158,21 @@ def _fits(coefficients):  # type: ignore[no-untyped-def]
 
 @_jit_contract
 def look_up(w, coordinate, law, out, start):  # type: ignore[no-untyped-def]
-    """Write the quantities at w (n,) and coordinate (n,) or (1,) into ``out`` from a column on."""
+    """Write the quantities of normal impacts by the table of a law.
+
+    Parameters
+    ----------
+    w
+        Variable of the law, (n,).
+    coordinate
+        Place in its family, (n,) or (1,).
+    law
+        Tables and thresholds, see `law.table.Law.compiled`.
+    out
+        Room for the quantities, (``WIDTH``, columns).
+    start
+        First column.
+    """
     if not _fits(law[1]):
         return  # never
     for i in range(w.size):
@@ -179,7 +193,15 @@ def _restitution(w, coordinate, law):  # type: ignore[no-untyped-def]
 
 @_jit_contract
 def restitution(w, coordinate, law, out):  # type: ignore[no-untyped-def]
-    """Write e at w (n,) and coordinate (n,) or (1,)."""
+    """Write coefficients of restitution by the table of a law.
+
+    Parameters
+    ----------
+    w, coordinate, law
+        As of `look_up`.
+    out
+        Room for e, (n,).
+    """
     if not _fits(law[1]):
         return  # never
     for i in range(w.size):
@@ -229,7 +251,24 @@ def _planar(i, v_n, v_t, spin, radius, e, change, out):  # type: ignore[no-untyp
 
 @_jit
 def planar(v_n, v_t, spin, radius, e, change, out):  # type: ignore[no-untyped-def]
-    """Write outcomes of planar impacts at normal speeds v_n; ``change``: impulses of friction."""
+    """Write outcomes of planar impacts at normal speeds v_n.
+
+    Parameters
+    ----------
+    v_n, v_t
+        Components of the velocity, m/s, v_n positive towards the surface; here and below (n,), or
+        (1,) for all.
+    spin
+        rad/s.
+    radius
+        m.
+    e
+        Coefficients of restitution.
+    change
+        Impulses of friction per mass, m/s.
+    out
+        Room for the outcomes, (rows, n).
+    """
     for i in range(out.shape[1]):
         slow, along, turn = _of(v_n, i), _of(v_t, i), _of(spin, i)
         _planar(i, slow, along, turn, _of(radius, i), _of(e, i), _of(change, i), out)
@@ -241,12 +280,22 @@ def tabulated(  # type: ignore[no-untyped-def]
 ):
     """Write the outcome of planar impacts by a law of normal impacts.
 
-    `indices`: of the impacts (m,), as integers; `integrated`: their quantities (WIDTH, m), if they
-    were integrated; if empty, the law is looked up; `law`: tables and thresholds, see
-    `law.table.Law.compiled`; `speed`, `angle`, `spin`: m/s, degrees, rad/s; of all impacts, (n,),
-    or one for all, (1,); `contacts`: (n, columns) or (1, columns); `support`: quantity that
-    friction rests on; `out`, `flags`: outcomes of all impacts, (rows, n), numbers and flags; NaN
-    for e where the law has none.
+    Parameters
+    ----------
+    indices
+        Of the impacts, (m,), as integers.
+    integrated
+        Their quantities (``WIDTH``, m), if they were integrated; if empty, the law is looked up.
+    law
+        Tables and thresholds, see `law.table.Law.compiled`.
+    speed, angle, spin
+        m/s, degrees, rad/s; of all impacts, (n,), or one for all, (1,).
+    contacts
+        (n, columns) or (1, columns).
+    support
+        Quantity that friction rests on.
+    out, flags
+        Outcomes of all impacts, (rows, n), numbers and flags; NaN for e where the law has none.
     """
     if not _fits(law[1]):
         return  # never
@@ -384,7 +433,19 @@ def _rebound(velocity, turn, normal, into, e, friction):  # type: ignore[no-unty
 
 @_jit
 def rebounds(velocity, turn, normal, e, friction, after, turned):  # type: ignore[no-untyped-def]
-    """Write velocities and r omega after rebounds from facets, all (n, 3)."""
+    """Write velocities and r omega after rebounds from facets.
+
+    Parameters
+    ----------
+    velocity, turn
+        Velocities before, m/s, and r omega, m/s, (n, 3).
+    normal
+        Normals of the facets, (n, 3).
+    e, friction
+        Coefficients of restitution and friction, (n,).
+    after, turned
+        Room for velocities and r omega after, (n, 3).
+    """
     for i in range(velocity.shape[0]):
         v = velocity[i, 0], velocity[i, 1], velocity[i, 2]
         w = turn[i, 0], turn[i, 1], turn[i, 2]
@@ -415,7 +476,21 @@ def _met(velocity, slope, sideways, slopes, steady, guided, facets):  # type: ig
 
 @_jit
 def normals(velocity, along, across, slopes, facets, normal):  # type: ignore[no-untyped-def]
-    """Write the normals of facets met, (n, 3); arguments as of `events`, of one contact."""
+    """Write the normals of the facets met.
+
+    Parameters
+    ----------
+    velocity
+        Velocities, m/s, (n, 3).
+    along, across
+        Slopes along and across the motion, of facets that are seen shares in their place, (n,).
+    slopes
+        Table of slopes by `lab.surface.hit_slopes`.
+    facets
+        Number of the facets in ``FACETS``.
+    normal
+        Room for the normals, (n, 3).
+    """
     for i in range(velocity.shape[0]):
         v = velocity[i, 0], velocity[i, 1], velocity[i, 2]
         direction, _ = _met(v, along[i], across[i], slopes, slopes[0], False, facets)
@@ -461,16 +536,28 @@ def events(rows, known, drawn, facets, rules, sums, asked):  # type: ignore[no-u
 
     Gives the number of rows of `asked`; events that ask are not counted.
 
-    `rows`: of the sums, that of each event's replicate, (n,), as integers; `known`: e of contacts
-    in turn that were integrated, (contacts, n), NaN for all others; if empty, the law is looked
-    up; `drawn`: of all events, (n,), or one for all, (1,): speed, angle of incidence
-    (degrees), r omega over the speed, friction, factor and offset of e; unit of the law's variable,
-    m/s, and coordinate in its family; `facets`: those met in turn, (contacts, n) or (contacts, 1):
-    slopes along the motion, of facets that are seen shares in their place, and across it; and the
-    table of slopes made for the one angle of the first, empty if there is none; `rules`: table of
-    slopes by `lab.surface.hit_slopes`; number of the facets in ``FACETS``, whether a sphere must
-    leave, most contacts; law as in `tabulated`; `sums`: of each replicate, (replicates, 2 columns),
-    added to: ``SUMS``, what they lost; `asked`: impacts that must be integrated, (n, ``ASKED``).
+    Parameters
+    ----------
+    rows
+        Of the sums, that of each event's replicate, (n,), as integers.
+    known
+        e of contacts in turn that were integrated, (contacts, n), NaN for all others; if empty, the
+        law is looked up.
+    drawn
+        Of all events, (n,), or one for all, (1,): speed, m/s, angle of incidence, degrees, r omega
+        over the speed, friction, factor and offset of e; unit of the law's variable, m/s, and
+        coordinate in its family.
+    facets
+        Those met in turn, (contacts, n) or (contacts, 1): slopes along the motion, of facets that
+        are seen shares in their place, and across it; and the table of slopes made for the one
+        angle of the first, empty if there is none.
+    rules
+        Table of slopes by `lab.surface.hit_slopes`; number of the facets in ``FACETS``, whether a
+        sphere must leave, most contacts; law as in `tabulated`.
+    sums
+        Of each replicate, (replicates, 2 columns), added to: ``SUMS``, what they lost.
+    asked
+        Impacts that must be integrated, (n, ``ASKED``).
     """
     speeds, angles, spins, frictions, factors, offsets, units, coordinates = drawn
     along, across, steady = facets

@@ -228,8 +228,18 @@ def through_probe(
 ) -> BoolArray:
     """Tell which spheres fall through the level of the probe volume inside its ellipse.
 
-    Position and velocity are those at the surface, m and m/s, shape (n, 2) and (n, 3). Spheres that
-    never were so high count where their flight began.
+    Spheres that never were so high count where their flight began.
+
+    Parameters
+    ----------
+    position
+        Where they reach the surface, m, (n, 2).
+    velocity
+        At the surface, m/s, (n, 3).
+    height
+        Of the probe volume above the surface, m.
+    instrument
+        Analyser, with the size of the probe volume.
     """
     inside = np.empty(len(position), dtype=np.bool_)
     _fall_through(position, velocity, height, half_axes(instrument), gravity, inside)

@@ -84,7 +84,17 @@ def theory(
     """Return the fates of rebounding impacts, with mean and spread of their velocities.
 
     The fates are `MEASURED` or why not, one per impact; the rest is of those that are measured.
-    Each impact draws from a generator of its own, or all in turn from one.
+
+    Parameters
+    ----------
+    impacts
+        Impacts of n spheres.
+    setup
+        Imaging system, with angle, speed and diameter for which it is set.
+    errors
+        Systematic errors of the experiment.
+    rngs
+        A generator for each impact, or the same for all, which draw from it in turn.
     """
     exposure = exposures(impacts, setup, errors, rngs, jitter=False)
     fates = unseen(exposure, setup)
@@ -132,7 +142,17 @@ class Rows(Columns):
 
 
 def longest_rows(exposure: Exposure, setup: Setup, errors: Systematics) -> list[Rows]:
-    """Return the rows of the legs `INCIDENT` and `REBOUND` of n exposures without jitter."""
+    """Return the rows of the legs `INCIDENT` and `REBOUND` of n exposures without jitter.
+
+    Parameters
+    ----------
+    exposure
+        Lit pieces of n events.
+    setup
+        Imaging system as it is set.
+    errors
+        Systematic errors of the experiment.
+    """
     shown, start, end = exposure.dashes()
     order = np.argsort(exposure.leg[shown], kind="stable")
     order = order[exposure.in_view[shown[order]]]
@@ -258,7 +278,14 @@ def outline(setup: Setup) -> float:
 def brightness(length: FloatArray, disk: FloatArray, setup: Setup) -> FloatArray:
     """Return the brightest light per pixel of dashes of unit light, near enough.
 
-    Way of the centre and diameter of the disk, px, broadcast; disk and blur add in squares.
+    Disk and blur add in squares.
+
+    Parameters
+    ----------
+    length, disk
+        Way of the centre and diameter of the disk, px; they broadcast.
+    setup
+        Imaging system as it is set.
     """
     chord = np.hypot(0.25 * np.pi * disk, np.sqrt(2.0 * np.pi) * setup.instrument.blur_px)
     light: FloatArray = 1.0 / (chord * np.hypot(chord, length))

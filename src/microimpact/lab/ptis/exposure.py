@@ -149,7 +149,19 @@ class Exposure:
     def places(
         self, piece: IntArray, time: FloatArray, setup: Setup, errors: Systematics
     ) -> FloatArray:
-        """Return columns and rows, (k, m, 2), of the centre on k pieces at times s, (k, m)."""
+        """Return columns and rows, (k, m, 2), of the centre on k pieces.
+
+        Parameters
+        ----------
+        piece
+            Indices of the pieces, (k,).
+        time
+            s after impact, (k, m).
+        setup
+            Imaging system as it is set.
+        errors
+            Systematic errors of the experiment.
+        """
         return setup.columns_rows(self.flight.at(self.leg[piece][:, None], time), errors)
 
 
@@ -163,8 +175,18 @@ def exposures(
 ) -> Exposure:
     """Light events: each impact falls anywhere in a field, and the chopper runs free.
 
-    Each event draws from its own generator, or all in turn from one. Without jitter the pulses come
-    at regular times.
+    Parameters
+    ----------
+    impacts
+        Impacts of n spheres.
+    setup
+        Imaging system as it is set.
+    errors
+        Systematic errors of the experiment.
+    rngs
+        A generator for each event, or the same for all, which draw from it in turn.
+    jitter
+        Whether the times of the pulses scatter.
     """
     instrument = setup.instrument
     rate, exposure = setup.chop_rate * (1.0 + errors.rate), 1.0 / instrument.fields_per_s

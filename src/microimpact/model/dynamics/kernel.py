@@ -348,7 +348,17 @@ def _settles(s, u, beta, damping_h, damping_a):  # type: ignore[no-untyped-def]
 
 @_jit
 def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
-    """Integrate every row of ``problems`` into the same row of ``results``."""
+    """Integrate every row of ``problems`` into the same row of ``results``.
+
+    Parameters
+    ----------
+    problems
+        Scaled impacts, (n, columns).
+    mode
+        ``PLAIN``, ``LEDGER`` or ``SHALLOW``.
+    results
+        Room for the results, (n, ``RESULT_COLUMNS``).
+    """
     count = problems.shape[0]
     rows = PAD + ORDER + 1
     padded_s, padded_u, p, m = _rows(rows), _rows(rows), _rows(rows), _rows(rows)
@@ -504,10 +514,19 @@ def outcomes(
     mass: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Write outcomes (``OUTCOMES``, n) in SI units; scales are (n,), or (1,) for all impacts.
+    """Write the outcomes of scaled impacts in SI units.
 
     In turn e, contact and compression time, greatest compression, compressive and greatest net
     impulse, and that of the Hertz term.
+
+    Parameters
+    ----------
+    problems, results
+        Scaled impacts and their results, as of `integrate`.
+    length, velocity, mass
+        Scales in m, m/s and kg, (n,), or (1,) for all impacts.
+    out
+        Room for the outcomes, (``OUTCOMES``, n).
     """
     for i in range(out.shape[1]):
         unit, speed = _own(length, i), _own(velocity, i)
@@ -529,10 +548,21 @@ def record(
 ) -> int:
     """Follow one problem to the end of contact, to ``end_time`` or to rest, step by step.
 
-    ``series`` (n, 2, ORDER + 1) receives the coefficients of s and u, ``ends`` (n, 3) each step's
-    length in tau, its contact time and its Hertz impulse. A captured impact goes on through legs of
-    approach and rebound. ``shallow`` takes the energy of a rebound from the works, as the mode of
-    that name does. Returns the number of steps, or -1 where ``series`` is too short.
+    A captured impact goes on through legs of approach and rebound. Returns the number of steps, or
+    -1 where ``series`` is too short.
+
+    Parameters
+    ----------
+    problem
+        Scaled impact, one row of `integrate`.
+    shallow
+        Whether the energy of a rebound is taken from the works, as by the mode of that name.
+    end_time
+        Scaled time at which the record ends.
+    series
+        Room for the coefficients of s and u, (n, 2, ORDER + 1).
+    ends
+        Room for each step's length in tau, contact time and Hertz impulse, (n, 3).
     """
     energy = 0.5 * problem[START_U] ** 2
     rows = PAD + ORDER + 1
@@ -592,8 +622,21 @@ def record(
 def instants(series, steps, which, time, tau):  # type: ignore[no-untyped-def]
     """Write ``tau`` at which so much contact time has passed in the step ``which``, each (n,).
 
-    ``series`` as from `record`, ``steps`` their lengths in tau. Contact time is the integral of s:
-    where s vanishes, at an end, it is flat, so that Newton's step is taken within a bracket.
+    Contact time is the integral of s: where s vanishes, at an end, it is flat, so that Newton's
+    step is taken within a bracket.
+
+    Parameters
+    ----------
+    series
+        Coefficients of the steps, as from `record`.
+    steps
+        Their lengths in tau, (steps,).
+    which
+        Number of the step of each instant, (n,).
+    time
+        Scaled contact time passed in that step, (n,).
+    tau
+        Room for the instants, (n,).
     """
     s = series[:, 0].T
     for i in range(time.size):

@@ -103,7 +103,25 @@ def _log(x):  # type: ignore[no-untyped-def]
 
 @_jit_contract
 def enter(data, end, low, high, enough, x, lane, points, state):  # type: ignore[no-untyped-def]
-    """Put a search, without data that are missing, on a lane; return its number of points."""
+    """Put a search, without data that are missing, on a lane; return its number of points.
+
+    Parameters
+    ----------
+    data
+        Rows of one data set: v, ln v, e, 1/sigma, (``POINT_ROWS``, n).
+    end
+        End of the range of v_c, in units of v.
+    low, high
+        Bounds of the variables, (``VARIABLES``,).
+    enough
+        Sum of squares at which the search ends.
+    x
+        Start, (``VARIABLES``,).
+    lane
+        Lane that is free.
+    points, state
+        Points and state of all lanes, (rows, ``LANES``).
+    """
     count = 0
     for i in range(data.shape[1]):
         if data[WEIGHT, i] > 0.0:
@@ -126,7 +144,19 @@ def enter(data, end, low, high, enough, x, lane, points, state):  # type: ignore
 
 @_jit_contract
 def evaluate(points, groups, state, slopes):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
-    """Sums at the trial; ``slopes`` is room for those of a group of points."""
+    """Sum the products of slopes and misfits of Eq. (34) at the trial of every lane.
+
+    Parameters
+    ----------
+    points
+        Points of the lanes, (``POINT_ROWS`` n, ``LANES``).
+    groups
+        Groups of ``GROUP`` points on the longest lane.
+    state
+        State of the lanes; its new sums are written.
+    slopes
+        Room for the slopes of a group, (``COLUMNS`` ``GROUP``, ``LANES``).
+    """
     if not (points.shape[1] == state.shape[1] == slopes.shape[1] == LANES):
         return  # never: gives the compiler the distance of rows
     for lane in range(LANES):
@@ -339,7 +369,19 @@ def _lines(grid, at, low, high, weights, lines) -> None:  # type: ignore[no-unty
 
 @_jit
 def curves(grid, places, at, e) -> None:  # type: ignore[no-untyped-def]
-    """Put e (m, n) at places (m, n) of v/v_c in a table, at those of its parameters (m, 3)."""
+    """Put restitutions by the table of a law.
+
+    Parameters
+    ----------
+    grid
+        Table, (three axes of parameters, v/v_c).
+    places
+        Positions along the axis of v/v_c, (m, n); negative if captured.
+    at
+        Positions along the axes of parameters, (m, 3).
+    e
+        Room for the restitutions, (m, n).
+    """
     size, many = grid.shape[PARAMETERS], e.shape[1]
     near, ratios, lines = np.empty(many, np.intp), np.empty((many, 4)), np.empty((4, size))
     weights = np.zeros((PARAMETERS, 2, 4))
@@ -382,7 +424,31 @@ def _tabled(grid, points, count, lane, ends, near, ratios, lines, weights, sums,
 def descend_all(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
     grid, data, owner, end, low, high, enough, stride, tolerance, x, chi_square, converged
 ):
-    """Move every start to its minimum; ``grid``: a table, or of size 0 for Eq. (34)."""
+    """Move every start to its minimum.
+
+    Parameters
+    ----------
+    grid
+        Table of a law of contact, or of size 0 for Eq. (34).
+    data
+        Points of the data sets, (r, ``POINT_ROWS``, n).
+    owner
+        Number of the data set of each search, (m,).
+    end
+        End of the range of v_c, (m,).
+    low, high
+        Bounds of the variables, (m, ``VARIABLES``).
+    enough
+        Sums of squares at which searches end, (m,).
+    stride
+        Largest change of each variable in one step, (``VARIABLES``,).
+    tolerance
+        Share of chi-square by which a last step lowers it.
+    x
+        Starts, (m, ``VARIABLES``); the minima are put there.
+    chi_square, converged
+        Room for the sums of squares and whether a search ended by its tolerance, (m,).
+    """
     many, size = data.shape[2], grid.shape[PARAMETERS]
     points = np.zeros((POINT_ROWS * GROUP * -(-many // GROUP), LANES))
     state, slopes = np.zeros((STATE_ROWS, LANES)), np.zeros((COLUMNS * GROUP, LANES))
@@ -495,9 +561,24 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
 
     e of a rebound is averaged over ln(v/v_c), normal about the measured one and above 0. Without
     captured spheres all rebounds are taken given that they are; else captures count as well.
-    ``grid``: a table whose last column is the exponent of v_c in 1/d, or of size 1 for Eq. (34), of
-    which that is all. Writes slopes (6,), Fisher's information by the first two moments (6, 6),
-    and these, mean and variance of e (n, 2).
+
+    Parameters
+    ----------
+    grid
+        Table whose last column is the exponent of v_c in 1/d, or of size 1 for Eq. (34), of which
+        that is all.
+    scale
+        Places of the table per square root of ln(v/v_c).
+    data
+        Rows of one data set, (6, n).
+    v_c
+        Capture velocity of the median sphere, in the unit of the speeds.
+    z
+        Variables, (6,).
+    gradient, information
+        Room for the slopes, (6,), and Fisher's information by the first two moments, (6, 6).
+    expected
+        Room for mean and variance of e, (n, 2).
     """
     size, count = grid.shape[PARAMETERS] - 1, data.shape[1]
     lines, weights = np.zeros((PARAMETERS + 1, size + 1)), np.zeros((PARAMETERS, 2, 4))
@@ -593,7 +674,27 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
 
 @_jit
 def descend_scattered(grid, scale, data, owner, v_c, low, high, stride, tried, starts, least, x):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
-    """Put the least deviance (m,) and its variables (m, 6), from the ``tried`` best of starts."""
+    """Put the least `deviance` and its variables, from the best of several starts.
+
+    Parameters
+    ----------
+    grid, scale
+        As of `deviance`.
+    data
+        Rows of the data sets, (r, 6, n).
+    owner
+        Number of the data set of each search, (m,).
+    v_c
+        Capture velocities held, in the unit of the speeds, (m,).
+    low, high, stride
+        Bounds of the variables and their largest change in one step, (6,).
+    tried
+        How many of the starts are followed.
+    starts
+        Starts, (s, m, 6).
+    least, x
+        Room for the least deviances, (m,), and their variables, (m, 6).
+    """
     values, many = np.empty(len(starts)), data.shape[2]
     gradient, fresh = np.empty(SCATTERED), np.empty(SCATTERED)
     information, new = np.empty((SCATTERED, SCATTERED)), np.empty((SCATTERED, SCATTERED))
