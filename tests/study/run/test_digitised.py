@@ -164,7 +164,6 @@ def test_a_malformed_file_is_refused_by_its_place(read, content, message):
         ("a,1,2,,", "fig17", "series: 'a' must be 'panel: name', panel one of friction, spin"),
         ("frction: a,1,2,,", "fig17", "panel one of friction, spin (did you mean 'friction'?)"),
         ("a,0,0.2,,", "fig16", "x: 0 must be positive, as the axis of 'restitution' is"),
-        ("half_normal: a,-1,2,,", "fig24", "x: -1 must be positive"),
         ("a,1,200,,", "fig16", "y: 200 is far off the axis of 'restitution'"),
     ],
 )

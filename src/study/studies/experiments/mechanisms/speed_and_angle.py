@@ -21,8 +21,8 @@ from study.tables import Tables
 
 # Half-width of a 95 % interval over its standard error.
 ERROR_BAR = 1.96
-# Restitutions and number of angles of the rigid body's energy loss, wider than Figs. 6 to 12.
-LOSS_RESTITUTIONS, LOSS_ANGLES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9), 23
+# Angles at which the slope of the rigid body's energy loss is looked at.
+LOSS_ANGLES = 23
 # Angles at which regions of the impulse ratio are looked for, denser than the article's 14.
 REGION_ANGLES = np.array(
     [*range(87, 54, -3), *range(55, 44, -2), *range(42, 17, -3), 16, 14, *range(12, 7, -1)], float
@@ -41,6 +41,7 @@ class SpeedAndAngle:
     angles_deg: tuple[AngleDegrees, ...]
     trend_deg: tuple[AngleDegrees, AngleDegrees]  # Angles between which restitution falls
     # Grid on which the slope of the energy loss is looked at, and ends of its angles.
+    loss_restitutions: tuple[Fraction, ...]
     loss_frictions: tuple[NonNegative, ...]
     loss_angles_deg: tuple[AngleDegrees, AngleDegrees]
     # Angle and restitutions of steel and spores there.
@@ -125,7 +126,7 @@ def region_rows(params: SpeedAndAngle, sample: Sample) -> list[dict[str, Any]]:
 def loss_slopes(params: SpeedAndAngle) -> Iterator[dict[str, Any]]:
     """Share of angles at which the rigid body's energy loss falls as the angle becomes shallow."""
     angle = np.linspace(*params.loss_angles_deg, LOSS_ANGLES)
-    for e, friction in product(LOSS_RESTITUTIONS, params.loss_frictions):
+    for e, friction in product(params.loss_restitutions, params.loss_frictions):
         falling = np.diff(rigid_loss(e, friction, angle)) / np.diff(angle) > 0.0
         rising = (0.5 * (angle[1:] + angle[:-1]))[~falling]
         yield {
