@@ -63,7 +63,17 @@ def work_from_ring_force(ring_force: Real, radius: Real, stiffness: Real) -> Rea
 
 
 def resized(contact: Contact, diameter: Real | None = None, **sizes: Real) -> Contact:
-    """Return the contact at other sizes (m): w_A, c_H and c_A stay, f_0 follows Eq. (30)."""
+    """Return the contact at other sizes : w_A, c_H and c_A stay, f_0 follows Eq. (30).
+
+    Parameters
+    ----------
+    contact
+        Contact at its sizes.
+    diameter
+        Diameter of the sphere, m; as it is if None.
+    **sizes
+        Other sizes, as ``surface_radius``, m.
+    """
     if diameter is not None:
         sizes["diameter"] = diameter
     return contact.replace(**sizes, work_of_adhesion=contact.work_of_adhesion)

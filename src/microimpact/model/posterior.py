@@ -235,7 +235,26 @@ def has_converged(chain: ensemble.Draws, draws: int) -> bool:
 def require_convergence(
     chain: ensemble.Draws, draws: int, steps: int, names: Sequence[str], law: str = ""
 ) -> None:
-    """Raise NoConvergenceError if chains over named axes are not worth so many draws."""
+    """Refuse chains over named axes that are not worth so many draws.
+
+    Parameters
+    ----------
+    chain
+        Draws with split R-hat of each axis and their effective size.
+    draws
+        Number of independent draws that they must be worth a share of.
+    steps
+        Steps taken, for the message.
+    names
+        Names of the axes.
+    law
+        Law of contact of the chains, for the message.
+
+    Raises
+    ------
+    NoConvergenceError
+        If they are not worth so many draws.
+    """
     worst = int(np.argmax(chain.split_r_hat))
     if not has_converged(chain, draws):
         raise NoConvergenceError(

@@ -155,7 +155,19 @@ def profile(
 
 
 def deviances(law: str | None, sets: DataSets, v_c: FloatArray, x: FloatArray) -> FloatArray:
-    """Deviance (m,) of one data set at capture velocities (m,) and variables (m, 6)."""
+    """Deviance (m,) of one data set at capture velocities (m,) and variables (m, 6).
+
+    Parameters
+    ----------
+    law
+        One of `shapes.LAWS`, or None for Eq. (34).
+    sets
+        A single data set with its scatter.
+    v_c
+        Capture velocities of the median sphere, in the unit of the speeds, (m,).
+    x
+        Variables of the search, (m, 6).
+    """
     assert sets.scatter is not None
     data, table = _data(sets, sets.scatter)[0], _table(law)
     moments = np.empty((sets.v.shape[1], 2))

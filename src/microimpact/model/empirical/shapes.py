@@ -117,7 +117,20 @@ LAWS = {
 
 
 def contact(name: str, first: FloatArray, second: FloatArray) -> Contact:
-    """Contact of the tables by two parameters of a law other than a fixed loss."""
+    """Contact of the tables by two parameters of a law other than a fixed loss.
+
+    Parameters
+    ----------
+    name
+        One of ``LAWS``.
+    first, second
+        Its two parameters, in the units of the tables.
+
+    Raises
+    ------
+    ValueError
+        If it is a fixed loss.
+    """
     law = LAWS[name].contact
     if law is None:
         raise ValueError(f"{name} is no law of contact")
