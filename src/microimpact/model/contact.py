@@ -63,7 +63,7 @@ def work_from_ring_force(ring_force: Real, radius: Real, stiffness: Real) -> Rea
 
 
 def resized(contact: Contact, diameter: Real | None = None, **sizes: Real) -> Contact:
-    """Return the contact at other sizes : w_A, c_H and c_A stay, f_0 follows Eq. (30).
+    """Return the contact at other sizes: w_A, c_H and c_A stay, f_0 follows Eq. (30).
 
     Parameters
     ----------
