@@ -96,12 +96,9 @@ def test_an_axis_is_drawn_as_it_is_declared():
 
 def test_parameters_fill_the_words():
     entries = {"fig14": {"study": "s", "title": "f = [[f:.2f]]", "list": ["[[n]]"], "number": 3}}
-    assert filled(entries, {"s": {"f": 0.5, "n": 7}})["fig14"] == {
-        "study": "s",
-        "title": "f = 0.50",
-        "list": ["7"],
-        "number": 3,
-    }
+    words = {"study": "s", "title": "f = 0.50", "list": ["7"], "number": 3}
+    entry = filled(entries, {"s": {"f": 0.5, "n": 7}})["fig14"]
+    assert {name: entry[name] for name in words} == words
     named = {"fig14": {"study": "s", "title": "[[by name.1.60 m/s, fast.v.1:.2f]] m/s"}}
     values = {"by name": {"1.60 m/s": {}, "1.60 m/s, fast": {"v": [1.0, 1.64]}}}
     assert filled(named, {"s": values})["fig14"]["title"] == "1.64 m/s"
