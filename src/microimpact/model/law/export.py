@@ -198,7 +198,10 @@ def _written(path: Path | str, contents: Mapping[str, str | bytes]) -> list[Path
 WORKED = {
     "c": ("example.c",),
     "fluent": ("microimpact_fluent.c",),
-    "openfoam": ("MicroimpactRebound.H", "MicroimpactRebound.C"),
+    "openfoam": (
+        *("MicroimpactRebound.H", "MicroimpactRebound.C", "makeMicroimpactRebound.C"),
+        *("Make/files", "Make/options"),
+    ),
     "lammps": ("in.microimpact",),
 }
 

@@ -201,11 +201,10 @@ def test_what_the_table_does_not_hold_is_refused(pair, compiled):
 def test_files(pair, tmp_path, form):
     written = tabulate(pair, 0.1, FASTEST).export(tmp_path / "new", form)
     assert written
-    assert sorted(path.name for path in (tmp_path / "new").iterdir()) == sorted(
-        path.name for path in written
-    )
+    files = [path for path in (tmp_path / "new").rglob("*") if path.is_file()]
+    assert sorted(files) == sorted(written)
     texts = [path.read_text(encoding="latin-1") for path in written if form != "npz"]
-    assert not [text for text in texts if "$" in re.sub(r"\$\{speed\}|\$\(v_e\)", "", text)]
+    assert not [text for text in texts if re.search(r"\$[a-z]", text)]
 
 
 @pytest.mark.parametrize("form", ["c", "fluent", "openfoam"])
@@ -215,7 +214,7 @@ def test_a_name_stays_within_its_comment(pair, tmp_path, form):
     for path in tabulate(named, 0.1, FASTEST).export(tmp_path, form):
         comment, _, code = path.read_text(encoding="utf-8").partition("*/\n")
         assert name not in code
-        assert path.name == "example.c" or path.suffix == ".C" or name in comment
+        assert path.name == "example.c" or path.suffix in {".C", ""} or name in comment
 
 
 @compiled_here
