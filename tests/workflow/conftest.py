@@ -25,6 +25,11 @@ TINY = {
         "noise_of_e": [0.01],
         "lowest_speeds_in_v_c": [1.5],
         "sets": 2,
+        "averaged": {
+            "designs": [
+                f"{law}, one size, taken as exact" for law in ("viscous JKR", "Thornton-Ning")
+            ]
+        },
     },
     "interval_coverage": {
         "experiments": 20,
