@@ -301,7 +301,7 @@ def test_a_pair_that_is_no_longer_the_declared_one_says_so(
 def test_export_writes_what_it_names(microimpact, answered, tmp_path):
     folder = tmp_path / "law"
     written = answered("export", *STEEL, "--format", "openfoam", "-o", str(folder))["files"]
-    assert sorted(written) == sorted(str(path) for path in folder.iterdir())
+    assert sorted(written) == sorted(str(p) for p in folder.rglob("*") if p.is_file())
     assert written[0] in microimpact("export", *STEEL, "-o", str(folder)).stdout
 
 
