@@ -13,6 +13,7 @@ from .model import calibrate as calibrate
 from .model import calibrate_laws as calibrate_laws
 from .model import capture_velocity as capture_velocity
 from .model import compare_models as compare_models
+from .model import export as export
 from .model import fit_restitution as fit_restitution
 from .model import planar as planar
 from .model import restitution as restitution

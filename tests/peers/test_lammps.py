@@ -17,7 +17,7 @@ import yaml
 from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, planar
-from microimpact.model.law.table import tabulate
+from microimpact.model.law.export import export
 from microimpact.model.reference import CASES, lammps_test
 from microimpact.model.verification import ENDS, WORKS, verify
 
@@ -149,7 +149,7 @@ def test_without_a_tangential_spring_rolling_agrees(spun: float) -> None:
 def test_the_exported_wall_conserves_energy(tmp_path, monkeypatch) -> None:
     """The table holds the force without damping: a sphere leaves as fast as it came."""
     contact = CONTACT.replace(work_of_adhesion=0.1)
-    tabulate(contact, 0.1, 5.0).export(tmp_path, "lammps")
+    export(contact, tmp_path, "lammps", 5.0)
     monkeypatch.chdir(tmp_path)
     engine = granular.lammps(cmdargs=["-screen", "none", "-log", "none"])
     for line in (tmp_path / "in.microimpact").read_text(encoding="utf-8").splitlines():
@@ -207,7 +207,7 @@ def test_the_exported_coefficients_rebound_as_stated(tmp_path) -> None:  # type:
     silicon = Material(name="silicon", youngs_modulus=169e9, poissons_ratio=0.25, density=2330.0)
     damped = {"hertz_damping": 0.215, "adhesion_damping": 1.61}
     contact = CONTACT.replace(surface=silicon, work_of_adhesion=0.7, **damped)
-    files = tabulate(contact, 1.0, 2.0).export(tmp_path, "lammps-jkr", speeds=[0.5, 1.0, 2.0])
+    files = export(contact, tmp_path, "lammps-jkr", speeds=[0.5, 1.0, 2.0])
     table = np.loadtxt(files[1], delimiter=",", skiprows=1)
     for speed, _, expected in table:
         arguments = ["-screen", "none", "-log", "none", "-var", "speed", str(speed)]

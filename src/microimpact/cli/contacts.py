@@ -22,12 +22,14 @@ from microimpact.model.choices import (
     STIFFNESS_MODELS,
     TANGENTIAL_LAWS,
 )
+from microimpact.model.contact_laws import NAMES as LAW_NAMES
+from microimpact.model.contact_laws import RING_FORCE, named_law
 
 if TYPE_CHECKING:
     from microimpact.core.arrays import FloatArray
     from microimpact.model.contact import Contact
+    from microimpact.model.contact_laws import ContactLaw
 
-RING_FORCE = "ring force"
 # Diameters that differ by less than this share are one.
 SAME_SIZE = 0.01
 Command = Callable[..., None]
@@ -82,9 +84,15 @@ _ELASTIC = {
     "poissons-ratio": ("poissons_ratio", 1.0, "nu"),
     "density": ("density", 1.0, "kg/m3"),
 }
+# Parameters of other laws of the normal force: options, factors to SI, and words.
+_LAW_NUMBERS = {
+    "viscous_time": ("viscous-time-ns", 1e-9, "Of jkr: relaxation time A of the bulk, ns."),
+    "yield_pressure": ("yield-pressure-gpa", 1e9, "Of thornton-ning: p_y, GPa."),
+    "unloading_work": ("unloading-work", 1.0, "Of hysteresis: work of separation, J/m2."),
+}
 _basis_option = click.option(
     "--friction-basis",
-    type=click.Choice(FRICTION_BASES),
+    type=click.Choice((*FRICTION_BASES, "pull-off")),
     default=FRICTION_BASES[0],
     show_default=True,
     help="Normal force in Coulomb's law.",
@@ -222,6 +230,17 @@ def contact_options(command: Command) -> Command:
             for name, (_, _, text) in _ELASTIC.items()
         ),
         click.option("--materials", help="CSV of own materials, as config/materials.csv."),
+        click.option(
+            "--law",
+            type=click.Choice(LAW_NAMES),
+            default=RING_FORCE,
+            show_default=True,
+            help="Law of the normal force; other ones have losses of their own.",
+        ),
+        *(
+            click.option(f"--{flag}", name, type=float, help=text)
+            for name, (flag, _, text) in _LAW_NUMBERS.items()
+        ),
         click.option(
             "--stiffness-model",
             type=click.Choice(STIFFNESS_MODELS),
@@ -380,18 +399,19 @@ def capture_command(as_json: bool, **pair: Any) -> None:
     tabor = float(tabor_number(contact))
     rows = [
         ("capture velocity", number(float(capture_velocity(contact))), "m/s"),
-        ("velocity scale V", number(contact.velocity_scale), "m/s"),
-    ]
-    if contact.law is None:
-        names = ("damping group C_H", "damping group C_A")
-        rows += [(n, number(group), "") for n, group in zip(names, contact.groups, strict=True)]
-    rows += [
         ("stiffness K", number(contact.stiffness, 1e-9), "GPa"),
-        ("ring force f_0", number(contact.ring_force), "N/m"),
         ("work of adhesion w_A", number(contact.work_of_adhesion), "J/m2"),
-        ("equilibrium contact radius", number(contact.equilibrium_contact_radius, 1e9), "nm"),
         ("Tabor's number, JKR or DMT", f"{number(tabor)}: {contact_regime(tabor)}", ""),
     ]
+    if contact.law is None:
+        hertz_group, adhesion_group = contact.groups
+        rows += [
+            ("ring force f_0", number(contact.ring_force), "N/m"),
+            ("velocity scale V", number(contact.velocity_scale), "m/s"),
+            ("damping group C_H", number(hertz_group), ""),
+            ("damping group C_A", number(adhesion_group), ""),
+            ("equilibrium contact radius", number(contact.equilibrium_contact_radius, 1e9), "nm"),
+        ]
     if chosen.draws:
         low, middle, high = _quantiles(limits)
         span = f"{number(middle)} ({number(low)} to {number(high)})"
@@ -403,6 +423,9 @@ def capture_command(as_json: bool, **pair: Any) -> None:
 @contact_options
 @click.option("--format", "form", type=click.Choice(FORMATS), default=FORMATS[0], show_default=True)
 @click.option("-o", "--output", default=".", show_default=True, help="Folder of the files.")
+@click.option(
+    "--diameters-um", type=(float, float), help="Smallest and largest, um: a law for all between."
+)
 @click.option(
     "--fastest", type=float, default=100.0, show_default=True, help="Fastest normal speed, m/s."
 )
@@ -416,6 +439,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
 def export_command(
     form: str,
     output: str,
+    diameters_um: tuple[float, float] | None,
     fastest: float,
     tolerance: float,
     speeds: FloatArray | None,
@@ -424,30 +448,33 @@ def export_command(
     **pair: Any,
 ) -> None:
     """Write the rebound law of a contact for a program of flow or of particles."""
-    from microimpact.model.dynamics.impact import SPEED
-    from microimpact.model.law.table import tabulate
+    from microimpact.model.law.export import export
     from microimpact.model.plausibility import doubts
 
+    if diameters_um is not None and pair["diameter_um"] is None:
+        pair["diameter_um"] = diameters_um[0]
     chosen = contact_of(**pair)
-    checked("fastest", fastest, SPEED)
     warn(chosen.doubts())
-    if chosen.best.law is not None:
-        if RING_FORCE not in chosen.bests:
-            raise ValueError(
-                f"a table has the law {RING_FORCE!r}, by which {pair['file']} has no contact"
-            )
+    contact = chosen.best
+    if len(chosen.bests) > 1:
         laws = ", ".join(chosen.contacts)
-        warn([f"of contacts by {laws}, the best by the {RING_FORCE} is written"])
-        chosen = replace(chosen, bests={RING_FORCE: chosen.bests[RING_FORCE]})
-    law = tabulate(chosen.best, fastest / 2.0, fastest)
-    written = [str(path) for path in law.export(output, form, friction_basis, tolerance, speeds)]
-    warn(doubts(chosen.best))
+        warn([f"of contacts by {laws}, the best by the {next(iter(chosen.bests))} is written"])
+    if diameters_um is not None:
+        contact = contact.replace(diameter=1e-6 * checked("diameters-um", diameters_um, POSITIVE))
+    files = export(contact, output, form, fastest, friction_basis, tolerance, speeds)
+    written = [str(path) for path in files]
+    warn(doubts(contact))
+    whole = {next(iter(chosen.bests)): contact}
     if as_json:
         options = {"format": form, "fastest": fastest, "tolerance": tolerance}
-        inputs = replace(chosen, contacts=chosen.bests).inputs() | options
+        inputs = replace(chosen, contacts=whole, bests=whole).inputs() | options
         print_json({"inputs": inputs | {"friction_basis": friction_basis}, "files": written})
         return
     click.echo(chosen.title())
+    if diameters_um is not None:
+        click.echo(
+            "The law is for all diameters from {:g} to {:g} um.".format(*sorted(diameters_um))
+        )
     click.echo("\n".join(written))
 
 
@@ -529,8 +556,9 @@ def contact_of(
     if file is not None:
         chosen = _from_file(file, sizes)
         excess = options | {"particle": particle, "surface": surface, "materials": materials}
-        if excess["stiffness_model"] == STIFFNESS_MODELS[0]:
-            del excess["stiffness_model"]
+        for name, usual in (("stiffness_model", STIFFNESS_MODELS[0]), ("law", RING_FORCE)):
+            if excess[name] == usual:
+                del excess[name]
         flags = [_flag(name) for name, value in excess.items() if value is not None]
         if flags:
             raise ValueError(
@@ -546,17 +574,46 @@ def contact_of(
 
     shipped, pairs = _shipped()
     declared = shipped | ({} if materials is None else read_materials(materials))
+    law = _law(options)
     changes = {name: options[name] for name in _FIELDS}
     changes |= {"stiffness_model": options["stiffness_model"]} | sizes
+    if law is not None:  # its losses take the place of any damping
+        changes |= {"hertz_damping": 0.0, "adhesion_damping": 0.0}
     known = _completed((particle, surface), declared, pairs, options, changes, missing)
     contact = pair_contact(particle, surface, known, pairs, **changes)
     replaced = {}
-    if (particle, surface) in pairs:
+    if law is not None:
+        contact = contact.by_law(law, contact.work_of_adhesion or 0.0)
+    elif (particle, surface) in pairs:
         same = {"stiffness_model": options["stiffness_model"]} | sizes
         shipped_contact = pair_contact(particle, surface, shipped, pairs, **same)
         replaced = _differences(shipped_contact, contact)
-    whole = {RING_FORCE: contact}
+    whole = {RING_FORCE if law is None else law.name: contact}
     return Chosen(contacts=whole, bests=whole, replaced=replaced)
+
+
+def _law(options: Mapping[str, Any]) -> ContactLaw | None:
+    """Law of the normal force that the options make; None is the ring force.
+
+    Raises ValueError if a parameter is missing, or of another law.
+    """
+    name = options["law"]
+    parameters = {
+        key: factor * options[key]
+        for key, (_, factor, _) in _LAW_NUMBERS.items()
+        if options[key] is not None
+    }
+    damping = ("ring_force", "hertz_damping", "adhesion_damping", "adhesion_rate_exponent")
+    foreign = [_flag(key) for key in damping if options[key] is not None]
+    if name != RING_FORCE and foreign:
+        raise ValueError(f"--law {name} has losses of its own; leave out {', '.join(foreign)}")
+    try:
+        return named_law(name, parameters)
+    except ValueError as error:
+        if parameters:
+            raise
+        flags = ", ".join(f"--{flag}" for flag, _, text in _LAW_NUMBERS.values() if name in text)
+        raise ValueError(f"{error}: give {flags}") from None
 
 
 def _completed(

@@ -14,6 +14,7 @@ from .empirical.bootstrap import bootstrap_v_c as bootstrap_v_c
 from .empirical.comparison import compare_models as compare_models
 from .empirical.equations import restitution as restitution
 from .empirical.fit import fit_restitution as fit_restitution
+from .law.export import export as export
 from .law.table import Law as Law
 from .law.table import tabulate as tabulate
 from .law_draws import calibrate_laws as calibrate_laws

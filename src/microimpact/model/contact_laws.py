@@ -6,6 +6,7 @@ adhesion and the materials of its `Contact`; what it does is in `microimpact.mod
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import ClassVar
 
@@ -89,6 +90,23 @@ class Hysteresis(ContactLaw):
 
 LAWS: tuple[type[ContactLaw], ...] = (JKR, ThorntonNing, Hysteresis)
 NAMES = (RING_FORCE, *(law.name for law in LAWS))
+
+
+# Parameters of the laws by name.
+PARAMETERS = {field.name: law for law in LAWS for field in fields(law)}
+
+
+def named_law(name: str, parameters: Mapping[str, Real]) -> ContactLaw | None:
+    """Return a law by name, with the parameters that are given; None is the ring force.
+
+    Raises ValueError if it does not know one, or lacks one.
+    """
+    law = next((law for law in LAWS if law.name == name), None)
+    foreign = [key for key in parameters if PARAMETERS[key] is not law]
+    if foreign:
+        owner = PARAMETERS[foreign[0]].name
+        raise ValueError(f"law {name!r} does not know {foreign[0]}: that is of {owner!r}")
+    return contact_law(law(**parameters) if law and parameters else name)
 
 
 def contact_law(value: object) -> ContactLaw | None:

@@ -305,6 +305,34 @@ def test_export_writes_what_it_names(microimpact, answered, tmp_path):
     assert written[0] in microimpact("export", *STEEL, "-o", str(folder)).stdout
 
 
+def test_export_of_several_sizes_and_another_law(microimpact, answered, tmp_path):
+    sizes = ("--diameters-um", "20", "40", "-o", str(tmp_path))
+    (path,) = answered("export", *STEEL, *sizes, "--format", "csv")["files"]
+    text = Path(path).read_text(encoding="utf-8")
+    for size in ("20", "40"):
+        limit = answered("capture", *STEEL, "--diameter-um", size)["outputs"]["capture_velocity"]
+        assert f"{limit:.6g} m/s at {size} um" in text
+    jkr = ("--law", "jkr", "--viscous-time-ns", "0.1", "--work-of-adhesion", "0.2")
+    limit = answered("capture", *STEEL, *jkr)["outputs"]["capture_velocity"]
+    microimpact("export", *STEEL, *jkr, "-o", str(tmp_path))
+    text = (tmp_path / "microimpact_rebound.h").read_text(encoding="utf-8")
+    assert f"Capture velocity {limit:.6g} m/s" in text
+    assert "law jkr, viscous_time = 1e-10" in text
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--law", "thornton-ning"), "give --yield-pressure-gpa"),
+        (("--law", "jkr", "--unloading-work", "1"), "that is of 'hysteresis'"),
+        (("--viscous-time-ns", "1"), "law 'ring force' does not know viscous_time"),
+        (("--law", "jkr", "--hertz-damping", "1"), "leave out --hertz-damping"),
+    ],
+)
+def test_a_law_takes_its_own_parameters_alone(microimpact, options, message):
+    require_refusal(microimpact("capture", *STEEL, *options), message)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -196,7 +196,7 @@ def friction_impulse(
     basis: str,
     speed: Real,
     tangential: str = "rigid",
-) -> tuple[Any, BoolArray]:
+) -> tuple[Any, Any]:
     """Friction impulse per mass against the slip, m/s, and whether the sphere ends rolling.
 
     Parameters
@@ -213,17 +213,7 @@ def friction_impulse(
     tangential
         As in `planar`.
     """
-    if basis == "net":
-        sliding = np.asarray((1.0 + normal.coefficient_of_restitution) * speed)
-        available = normal.peak_net_impulse / contact.mass
-    elif basis == PULL_OFF:
-        time = np.where(normal.captured, 0.0, normal.contact_time)
-        adhesion = 2.0 * contact.pull_off_force * time / contact.mass
-        sliding = available = (1.0 + normal.coefficient_of_restitution) * speed + adhesion
-    else:
-        impulse = normal.hertz_impulse if basis == "hertz" else normal.compressive_impulse
-        assert impulse is not None
-        sliding = available = impulse / contact.mass
+    sliding, available = supporting_impulses(contact, normal, basis, speed)
     # A captured sphere is pressed on for ever: it rolls in the end, if there is friction at all.
     stays = normal.captured & (contact.friction > 0.0)
     if tangential == "rigid":
@@ -234,6 +224,27 @@ def friction_impulse(
     impulse, stuck = compliant_impulse(contact, normal, slip, speed, tangential, basis)
     impulse = np.where(stays, slip / SLIP_PER_IMPULSE, impulse)
     return np.where(stuck | stays, impulse, contact.friction * sliding), stuck | stays
+
+
+def supporting_impulses(
+    contact: Contact, normal: NormalImpact, basis: str, speed: Real
+) -> tuple[Any, Any]:
+    """Impulses per mass, m/s, of the force that supports friction: of sliding, and until rolling.
+
+    Arguments as of `friction_impulse`.
+    """
+    if basis == "net":
+        sliding = (1.0 + normal.coefficient_of_restitution) * speed
+        return sliding, normal.peak_net_impulse / contact.mass
+    if basis == PULL_OFF:
+        time = np.where(normal.captured, 0.0, normal.contact_time)
+        adhesion = 2.0 * contact.pull_off_force * time / contact.mass
+        impulse = (1.0 + normal.coefficient_of_restitution) * speed + adhesion
+    else:
+        total = normal.hertz_impulse if basis == "hertz" else normal.compressive_impulse
+        assert total is not None
+        impulse = total / contact.mass
+    return impulse, impulse
 
 
 def planar(
@@ -276,7 +287,7 @@ def planar(
         If an integration failed.
     """
     require_contact(contact, any_law=tangential == "rigid", pair=True)
-    basis = _basis(contact, friction_basis, tangential)
+    basis = chosen_basis(contact, friction_basis, tangential)
     v_n = checked("v_n", v_n, APPROACHING)
     v_t = checked("v_t", v_t, FINITE)
     omega = checked("omega", omega, FINITE)
@@ -433,7 +444,7 @@ def incident(
         Speed (m/s) and angle (degrees) by name, the spins, and the broadcast shape.
     """
     require_contact(contact, any_law=tangential == "rigid", pair=True)
-    _basis(contact, friction_basis, tangential)
+    chosen_basis(contact, friction_basis, tangential)
     arguments = {"speed": checked("speed", speed, SPEED), "angle": checked("angle", angle, ANGLE)}
     turning = checked("spin", spin, FINITE), checked("partner_spin", partner_spin, FINITE)
     together = arguments | dict(zip(("spin", "partner_spin"), turning, strict=True))
@@ -441,7 +452,7 @@ def incident(
     return arguments, Spins.of(contact, *turning), shape
 
 
-def _basis(contact: Contact, friction_basis: object, tangential: object) -> str:
+def chosen_basis(contact: Contact, friction_basis: object, tangential: object = "rigid") -> str:
     """Return the checked basis of friction, for the contact's law and a checked tangential law."""
     basis = choice("friction_basis", friction_basis, (*FRICTION_BASES, PULL_OFF))
     if choice("tangential", tangential, TANGENTIAL_LAWS) != "rigid" and basis == "net":
@@ -508,7 +519,7 @@ def spatial(
         If an integration failed.
     """
     require_contact(contact, any_law=tangential == "rigid", pair=True)
-    basis = _basis(contact, friction_basis, tangential)
+    basis = chosen_basis(contact, friction_basis, tangential)
     vectors = {}
     arguments = {"velocity": velocity, "spin": spin, "partner_spin": partner_spin}
     for name, value in arguments.items():

@@ -1,8 +1,9 @@
-"""The rebound law of one contact for other programs: tables, C, boundary conditions.
+"""The rebound law of a contact, over speed and size, for other programs: tables, C, walls.
 
-What a program of flow or of particles needs of a normal impact are two numbers that depend on the
-normal speed alone: e, and the impulse of the normal force in Coulomb's law. From them the rule of
-`model.dynamics.impact` (slip, rolling, capture) is algebra.
+What a program of flow or of particles needs of a normal impact are two numbers: e, and the impulse
+of the normal force in Coulomb's law. For spheres of one pair of materials they depend on the normal
+speed and on the diameter. From them the rule of `model.dynamics.impact` (slip, rolling, capture) is
+algebra.
 """
 
 from __future__ import annotations
@@ -13,40 +14,116 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.resources import files
+from itertools import product
 from pathlib import Path
 from string import Template
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
-from microimpact.core.arrays import FloatArray, Numbers, checked, choice
+from microimpact.core.arrays import FloatArray, Numbers, Real, checked, choice
 from microimpact.core.files import write_file
-from microimpact.model.choices import FORMATS, FRICTION_BASES, WALL_FORMATS
-from microimpact.model.contact import Contact
-from microimpact.model.dynamics.normal import integrate
-from microimpact.model.law.families import Family, quantities
+from microimpact.model.choices import FORMATS, WALL_FORMATS
+from microimpact.model.contact import Contact, require_contact
+from microimpact.model.contact_laws import RING_FORCE
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import SPEED, chosen_basis, supporting_impulses
+from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.law.jkr import lammps_files
-from microimpact.model.law.pieces import SPLITS, TOLERANCES, Table, piecewise
-from microimpact.model.passes import RESTITUTION, SUPPORT, WIDTH
+from microimpact.model.law.pieces import (
+    SPLITS,
+    TOLERANCES,
+    WIDTHS,
+    Sampled,
+    Table,
+    between,
+    piecewise,
+    slowness,
+)
+from microimpact.model.passes import RESTITUTION, WIDTH
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 
 # Binary exponent of the lowest octave of v/v_c - 1: there e ~ sqrt(v/v_c - 1) to some parts in a
-# million of itself, and e is 1e-4. Without capture, of c_H v: there e is 1 to double precision.
+# million of itself, and e is 1e-4. Without adhesion, of c_H v: there e is 1 to double precision.
 LOWEST, LOWEST_BARE = -24, -52
-# Points an octave, off the nodes, at which the error is measured; the error stated is twice that.
-HELD_OUT, SAFETY = 37, 2.0
-ROWS = 200  # of the tables for people
+# Points an octave, and sizes, off the nodes, at which the error is measured; that stated is twice
+# as large.
+HELD_OUT, HELD_OUT_SIZES, SAFETY = 37, 61, 2.0
+UNIT_TOLERANCE = 1e-12  # of the capture velocity; its error over 2^LOWEST enters e = 1e-4
+BANDS = (1, 2, 4, 8)  # of sizes, tried in turn
+ROWS, SIZES = 200, 25  # of the tables for people: speeds, and diameters
+# Spheres of other sizes than the law's, by this share, take the law of the nearest.
+NEARLY = 0.01
 IMPULSE = 1  # row of the impulse in the table, beside RESTITUTION
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sizes:
+    """Contacts that differ in their diameters alone."""
+
+    middle: Contact
+    half_width: float  # of the logarithm of the diameter; 0 for a single size
+
+    @classmethod
+    def of(cls, contact: Contact) -> Sizes:
+        """Return all sizes between the smallest and the largest of a contact.
+
+        Raises ValueError if it holds contacts that differ otherwise.
+        """
+        smallest, largest = (float(end(contact.diameter)) for end in (np.min, np.max))
+        half_width = 0.5 * math.log(largest / smallest)
+        middle = contact.replace(diameter=math.sqrt(smallest * largest) if half_width else smallest)
+        if middle.shape:
+            raise ValueError(
+                "contacts to be exported must differ in diameter alone; export one at a time"
+            )
+        return cls(middle, half_width)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Smallest and largest diameter, m."""
+        factor = math.exp(self.half_width)
+        return float(self.middle.diameter) / factor, float(self.middle.diameter) * factor
+
+    @property
+    def captures(self) -> bool:
+        """Whether slow spheres are captured."""
+        return float(capture_velocity(self.middle)) > 0.0
+
+    def position(self, diameter: FloatArray | float) -> FloatArray:
+        """Return the position of diameters, in [-1, 1]; beyond, the nearest end."""
+        position = np.log(np.asarray(diameter) / self.middle.diameter) / (self.half_width or 1.0)
+        return np.clip(position, -1.0, 1.0)
+
+    def contact(self, position: FloatArray) -> Contact:
+        """Return the contacts at positions."""
+        if not self.half_width:
+            return self.middle
+        return self.middle.replace(
+            diameter=self.middle.diameter * np.exp(self.half_width * position)
+        )
+
+    def units(self, position: FloatArray) -> FloatArray:
+        """Unit of speed at positions, m/s: the capture velocity where there is one."""
+        contact = self.contact(position)
+        speeds: Real = 1.0 / (float(self.middle.hertz_damping) or 1.0)
+        if self.captures:
+            speeds = capture_velocity(contact)
+        elif self.middle.velocity_scale:
+            speeds = contact.velocity_scale
+        return np.broadcast_to(speeds, position.shape)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rebounds:
-    """e and the supporting impulse of one contact over the normal speed, to a stated error."""
+    """e and the supporting impulse over normal speed and diameter, to a stated error."""
 
-    # The contact, and the normal force in Coulomb's law.
-    contact: Contact
-    basis: str
-    capture_velocity: float  # m/s; 0 where nothing is captured
-    unit: float  # The table's variable is v/unit, less 1 where spheres are captured; m/s
+    sizes: Sizes
+    basis: str  # Normal force in Coulomb's law
+    # Chebyshev coefficients, over the position of the size, of 1/unit: the table's variable is
+    # v/unit, less 1 where the unit is the capture velocity; s/m
+    slowness: FloatArray
+    captures: bool  # Whether slow spheres are captured
     # Polynomials of `RESTITUTION` and `IMPULSE`, the impulse per mass and normal speed.
     table: Table
     fastest: float  # Normal speed up to which it holds, m/s
@@ -55,36 +132,46 @@ class Rebounds:
     @property
     def offset(self) -> float:
         """Offset of the table's variable, v/unit less this."""
-        return 1.0 if self.capture_velocity else 0.0
+        return 1.0 if self.captures else 0.0
 
     @property
     def coefficients(self) -> FloatArray:
-        """Powers' coefficients of `RESTITUTION` and `IMPULSE`, (pieces, powers, 2)."""
-        rows = self.table.coefficients[0, :, 0, [RESTITUTION, IMPULSE]]
-        return np.moveaxis(rows, 0, -1)
+        """Powers' coefficients of `RESTITUTION` and `IMPULSE`: (pieces, widths, powers, 2).
 
-    def __call__(self, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return e and the impulse per mass and normal speed at normal speeds (n,), m/s."""
-        x = speed / self.unit - self.offset
+        Pieces are those of the first band of sizes, then of the next; widths are powers of the
+        position in a band.
+        """
+        rows = self.table.coefficients[..., [RESTITUTION, IMPULSE], :]
+        return np.moveaxis(rows, 3, 4).reshape(-1, rows.shape[2], rows.shape[4], 2)
+
+    def unit(self, diameter: FloatArray | float) -> FloatArray:
+        """Unit of speed, m/s: the capture velocity where there is one."""
+        position = self.sizes.position(diameter)
+        return np.asarray(1.0 / chebyshev.chebval(position, self.slowness))
+
+    def __call__(
+        self, speed: FloatArray, diameter: FloatArray | float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return e and the impulse per mass and normal speed at speeds in m/s, diameters in m."""
+        x = speed / self.unit(diameter) - self.offset
         lowest = math.ldexp(0.5, self.table.lowest)
-        values = self.table(np.maximum(x, lowest), np.zeros(1))
+        position = np.broadcast_to(self.sizes.position(diameter), x.shape)
+        values = self.table(np.maximum(x, lowest), position)
         e = values[RESTITUTION]
-        if self.offset:
+        if self.captures:
             e = e * np.sqrt(np.clip(x / lowest, 0.0, 1.0))
-        return e, np.where((x > 0.0) | (self.offset == 0.0), values[IMPULSE], 0.0)
+        return e, np.where((x > 0.0) | (not self.captures), values[IMPULSE], 0.0)
 
 
-def rebounds(
-    contact: Contact, family: Family, fastest: float, basis: str, tolerance: float
-) -> Rebounds:
-    """Return the rebound law of one contact up to a normal speed.
+def rebounds(contact: Contact, fastest: float, basis: str, tolerance: float) -> Rebounds:
+    """Return the rebound law of contacts that differ in their diameters alone.
 
     Parameters
     ----------
-    contact, family
-        The contact, and its family.
+    contact
+        The contact, or an array of two or more diameters, between the ends of which it holds.
     fastest
-        m/s.
+        Normal speed, m/s.
     basis
         Normal force in Coulomb's law.
     tolerance
@@ -93,96 +180,179 @@ def rebounds(
     Raises
     ------
     ValueError
-        If there are several contacts, none rebounds up to ``fastest``, or no table is that close.
+        If the contacts differ otherwise, none rebounds up to ``fastest``, or no table is so close.
     """
-    if contact.shape:
-        raise ValueError(f"contact must be a single one to be exported, got {contact.shape}")
-    at = np.zeros(1)
-    limit = float(family.capture_speed(at)[0])
-    scale = float(contact.velocity_scale) or 1.0 / (float(contact.hertz_damping) or 1.0)
-    unit, offset = limit * scale or scale, 1.0 if limit else 0.0
-    top = fastest / unit - offset
-    lowest = LOWEST if family.adhesive else LOWEST_BARE
+    sizes = Sizes.of(contact)
+    captures = sizes.captures
+    slow = slowness(sizes.units, UNIT_TOLERANCE, alike=not sizes.half_width)
+    # Of all sizes: the largest spheres are captured last.
+    steepest = float(np.max(chebyshev.chebval(between(60), slow)))
+    offset = 1.0 if captures else 0.0
+    top = fastest * steepest - offset
+    lowest = LOWEST if sizes.middle.velocity_scale else LOWEST_BARE
     if top <= math.ldexp(1.0, lowest):
         raise ValueError(
-            f"fastest must be above the capture velocity {limit * scale:.6g} m/s, got {fastest:g}"
+            f"fastest must be above the capture velocity {1.0 / steepest:.6g} m/s, got {fastest:g}"
         )
 
     def sampled(x: FloatArray, position: FloatArray) -> FloatArray:
-        w = (1.0 + x) * limit if limit else x
-        problems = family.problems(w, position)
-        values = quantities(problems, integrate(problems, ledger=True))
+        speed = (x + offset) / chebyshev.chebval(position, slow)
+        bodies = sizes.contact(position)
+        impact = normal_impact(bodies, speed, ledger=basis == "hertz")
         out = np.zeros((WIDTH, x.size))
-        out[RESTITUTION] = values[RESTITUTION]
-        out[IMPULSE] = values[SUPPORT[basis]] / (w if family.adhesive else 1.0)
+        out[RESTITUTION] = impact.coefficient_of_restitution
+        out[IMPULSE] = supporting_impulses(bodies, impact, basis, speed)[1] / speed
         return out
 
-    octaves = math.frexp(top)[1] - lowest + 1
-    held_out = np.exp2(lowest - 1 + np.linspace(0.0, octaves, HELD_OUT * octaves, endpoint=False))
-    expected = sampled(held_out, np.zeros_like(held_out))
+    octaves = lowest, math.frexp(top)[1] - lowest + 1
+    held = (math.ldexp(1.0, sum(octaves) - 1) + offset) / steepest
+
+    def points(positions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Places x and position between the nodes, up to the fastest speed."""
+        x = np.exp2(lowest - 1 + np.arange(HELD_OUT * octaves[1]) / HELD_OUT)
+        x, position = (a.ravel() for a in np.meshgrid(x, positions))
+        within = x + offset <= held * chebyshev.chebval(position, slow)
+        return x[within], position[within]
+
+    table, error = _closest(sampled, octaves, tolerance, SPLITS, points(np.zeros(1)))
+    if sizes.half_width:
+        finer = SPLITS[SPLITS.index(table.split) :][:2]
+        between_ends = points(np.linspace(-1.0, 1.0, HELD_OUT_SIZES))
+        table, error = _closest(sampled, octaves, tolerance, finer, between_ends, BANDS, WIDTHS)
+    return Rebounds(
+        sizes=sizes,
+        basis=basis,
+        slowness=slow,
+        captures=captures,
+        table=table,
+        fastest=held,
+        error=error,
+    )
+
+
+def _closest(
+    sampled: Sampled,
+    octaves: tuple[int, int],
+    tolerance: float,
+    splits: tuple[int, ...],
+    points: tuple[FloatArray, FloatArray],
+    bands: tuple[int, ...] = (1,),
+    widths: int = 1,
+) -> tuple[Table, float]:
+    """Return the smallest table that reaches the tolerance, and its error.
+
+    Parameters
+    ----------
+    sampled
+        The function of x and position.
+    octaves
+        The binary exponent of the first, and their number.
+    tolerance
+        Largest error.
+    splits, bands, widths
+        As of `piecewise`; of the former two, those that are tried in turn.
+    points
+        Places x and position at which the error is measured.
+
+    Raises
+    ------
+    ValueError
+        If no table does.
+    """
+    (lowest, count), (x, position) = octaves, points
+    expected = sampled(x, position)
     error = math.inf
-    for split in SPLITS:
-        table = piecewise(sampled, lowest=lowest, octaves=octaves, split=split)
-        difference = np.abs(table(held_out, at) - expected) / np.maximum(expected, 1.0)
-        error = SAFETY * float(np.max(difference))
-        if error <= tolerance:
-            return Rebounds(
-                contact=contact,
-                basis=basis,
-                capture_velocity=limit * scale,
-                unit=unit,
-                table=table,
-                fastest=unit * (math.ldexp(1.0, lowest + octaves - 1) + offset),
-                error=error,
-            )
-    raise ValueError(f"tolerance {tolerance:g} is not reached; the closest comes to {error:.1g}")
+    for split, band in product(splits, bands):
+        table = piecewise(
+            sampled, lowest=lowest, octaves=count, split=split, widths=widths, bands=band
+        )
+        difference = np.abs(table(x, position) - expected) / np.maximum(expected, 1.0)
+        made = SAFETY * float(np.max(difference))
+        if made <= tolerance:
+            return table, made
+        error = min(error, made)
+    raise ValueError(
+        f"tolerance {tolerance:g} is not reached; the closest comes to {error:.1g}: "
+        "give a larger one, or sizes and speeds that are closer together"
+    )
 
 
 def export(
     contact: Contact,
-    family: Family,
-    fastest: float,
     path: Path | str,
-    form: str,
-    friction_basis: str,
-    tolerance: float,
+    format: str = "c",  # noqa: A002
+    fastest: float = 100.0,
+    friction_basis: str = "compressive",
+    tolerance: float = 1e-6,
     speeds: Numbers | None = None,
 ) -> list[Path]:
-    """Write the rebound law of a contact for another program.
+    """Write the rebound law of a contact for another program, from rest up to a normal speed.
 
     Parameters
     ----------
     contact
-        Single contact.
-    family
-        Normal impacts as functions of scaled speed, tabulated.
-    fastest
-        Greatest normal speed, m/s.
+        The contact, by any law of the normal force; or one with an array of diameters: the law then
+        holds for all sizes between the smallest and the largest.
     path
-        Folder of the files.
-    form, friction_basis, tolerance, speeds
-        As of `model.law.table.Law.export`.
+        Folder of the files; it is made.
+    format
+        ``"c"``: a header in C99 without dependencies, and an example; ``"fluent"``, ``"openfoam"``:
+        the same with a boundary condition; ``"csv"``, ``"npz"``: e and the impulses over diameter
+        and speed; ``"lammps"``: the force without damping as a table of a wall, for one size;
+        ``"lammps-jkr"``: coefficients of its granular contact ``jkr``, fitted.
+    fastest
+        Fastest normal speed, m/s.
+    friction_basis
+        As of `model.dynamics.impact.simulate`.
+    tolerance
+        Largest error of e and of the supporting impulse.
+    speeds
+        Normal speeds at which ``"lammps-jkr"`` is fitted, m/s; from 1.5 to 15 times the capture
+        velocity if none are given.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is out of range, contacts differ in more than their diameters, or none
+        rebounds.
+    OSError
+        If a file cannot be written.
     """
-    choice("format", form, FORMATS)
-    if contact.is_pair and form in WALL_FORMATS:
-        raise ValueError(f"format {form!r} is of a wall: two spheres have c, csv and npz")
-    basis = choice("friction_basis", friction_basis, FRICTION_BASES)
-    limit = float(checked("tolerance", tolerance, TOLERANCES))
-    if form == "lammps-jkr":
+    require_contact(contact, any_law=True, pair=True)
+    choice("format", format, FORMATS)
+    if contact.is_pair and format in WALL_FORMATS:
+        raise ValueError(f"format {format!r} is of a wall: two spheres have c, csv and npz")
+    if format == "lammps" and contact.law is not None:
+        raise ValueError(
+            f"format 'lammps' writes the force of the law {RING_FORCE!r}: LAMMPS itself has 'jkr'"
+        )
+    basis = chosen_basis(contact, friction_basis)
+    if format == "lammps-jkr":
         return _written(path, lammps_files(contact, speeds))
     if speeds is not None:
-        raise ValueError(f"speeds are of the format 'lammps-jkr', got format {form!r}")
-    law = rebounds(contact, family, fastest, basis, limit)
+        raise ValueError(f"speeds are of the format 'lammps-jkr', got format {format!r}")
+    speed = float(checked("fastest", fastest, SPEED))
+    law = rebounds(contact, speed, basis, float(checked("tolerance", tolerance, TOLERANCES)))
+    if format == "lammps" and law.sizes.half_width:
+        raise ValueError(
+            "format 'lammps' is of one size: export each diameter into a folder of its own, and "
+            "give each size its own type and wall"
+        )
     contents: dict[str, str | bytes] = {}
-    if form in {"c", "fluent", "openfoam"}:
+    if format in {"c", "fluent", "openfoam"}:
         contents["microimpact_rebound.h"] = _filled("rebound.h", law)
-    if form == "csv":
+    if format == "csv":
         contents["microimpact_rebound.csv"] = _commented(law) + _text(_sampled(law))
-    elif form == "npz":
+    elif format == "npz":
         contents["microimpact_rebound.npz"] = _archive(law)
-    elif form == "lammps":
+    elif format == "lammps":
         contents["microimpact_wall.table"] = _wall_table(law)
-    contents |= {name: _filled(name, law) for name in WORKED.get(form, ())}
+    contents |= {name: _filled(name, law) for name in WORKED.get(format, ())}
     return _written(path, contents)
 
 
@@ -209,11 +379,9 @@ WORKED = {
 def _filled(name: str, law: Rebounds) -> str:
     """Template with the numbers of the law."""
     text = (files(__package__) / "templates" / name).read_text(encoding="utf-8")
-    rows = (
-        "{" + ", ".join("{" + f"{e!r}, {i!r}" + "}" for e, i in piece) + "}"
-        for piece in law.coefficients.tolist()
-    )
-    contact = law.contact
+    rows = (str(piece).replace("[", "{").replace("]", "}") for piece in law.coefficients.tolist())
+    contact = law.sizes.middle
+    smallest, largest = law.sizes.ends
     return Template(text).substitute(
         described="\n * ".join(_description(law)),
         version=version("microimpact"),
@@ -221,19 +389,24 @@ def _filled(name: str, law: Rebounds) -> str:
         net=int(law.basis == "net"),
         radius=repr(float(contact.radius)),
         diameter=repr(float(contact.diameter)),
+        smallest=repr(smallest * (1.0 - NEARLY)),
+        largest=repr(largest * (1.0 + NEARLY)),
+        narrowness=repr(1.0 / law.sizes.half_width if law.sizes.half_width else 0.0),
         start=repr(1.01 * float(contact.radius)),
         points=20 * ROWS,
         density=repr(float(contact.particle.density)),
         friction=repr(float(contact.friction)),
-        unit=repr(law.unit),
-        offset=repr(law.offset),
-        capture_velocity=repr(law.capture_velocity),
+        slowness=", ".join(map(repr, law.slowness.tolist())),
+        slownesses=law.slowness.size,
+        captures=int(law.captures),
         fastest=repr(law.fastest),
         error=f"{law.error:.1e}",
         lowest=law.table.lowest,
         split=law.table.split,
-        pieces=law.table.pieces,
-        terms=law.coefficients.shape[1],
+        bands=law.table.coefficients.shape[0],
+        pieces=law.table.coefficients.shape[1],
+        widths=law.coefficients.shape[1],
+        terms=law.coefficients.shape[2],
         inertia=repr(INERTIA),
         slip_per_impulse=repr(SLIP_PER_IMPULSE),
         coefficients=",\n    ".join(rows),
@@ -242,18 +415,34 @@ def _filled(name: str, law: Rebounds) -> str:
 
 def _description(law: Rebounds) -> list[str]:
     """Contact, range and error, in lines of words."""
-    contact = law.contact
-    rate = contact.reference_velocity
+    contact, ends = law.sizes.middle, law.sizes.ends
+    sizes = [f"{d * 1e6:g}" for d in (ends if law.sizes.half_width else ends[:1])]
+    limits = [f"{float(law.unit(d)) * law.captures:.6g} m/s" for d in ends[: len(sizes)]]
+    if len(sizes) > 1:
+        limits = [f"{limit} at {d} um" for limit, d in zip(limits, sizes, strict=True)]
+    adhesion = f"w_A = {contact.work_of_adhesion:.6g} J/m2"
+    if len(sizes) > 1 and contact.adhesion_input == "ring_force":
+        adhesion = f"f_0 = {contact.ring_force:.6g} N/m"
     return [
-        f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um: "
-        f"w_A = {contact.work_of_adhesion:.6g} J/m2, c_H = {contact.hertz_damping:.6g} s/m,",
-        f"c_A = {contact.adhesion_damping:.6g} s/m, n = {contact.adhesion_rate_exponent:g}"
-        + (f" with v_N = {rate:g} m/s" if rate is not None else "")
-        + f", f = {contact.friction:g} on the {law.basis} force.",
-        f"Capture velocity {law.capture_velocity:.6g} m/s; holds up to {law.fastest:.6g} m/s.",
+        f"{contact.particle.name} on {contact.surface.name}, {' to '.join(sizes)} um: {adhesion},",
+        f"{_losses(contact)}, f = {contact.friction:g} on the {law.basis} force.",
+        f"Capture velocity {', '.join(limits)}; holds up to {law.fastest:.6g} m/s.",
         f"Error of e and of the impulse ratio: {law.error:.1e}.",
         *(_of_two_spheres(contact) if contact.is_pair else ()),
     ]
+
+
+def _losses(contact: Contact) -> str:
+    """Damping of the ring force, or the other law with its parameters, in words."""
+    if contact.law is not None:
+        values = ", ".join(f"{name} = {v:g}" for name, v in contact.law.parameters.items())
+        return f"law {contact.law.name}, {values}"
+    rate = contact.reference_velocity
+    return (
+        f"c_H = {contact.hertz_damping:.6g} s/m, c_A = {contact.adhesion_damping:.6g} s/m, "
+        f"n = {contact.adhesion_rate_exponent:g}"
+        + (f" with v_N = {rate:g} m/s" if rate is not None else "")
+    )
 
 
 def _of_two_spheres(contact: Contact) -> list[str]:
@@ -270,19 +459,26 @@ def _of_two_spheres(contact: Contact) -> list[str]:
 
 
 def _sampled(law: Rebounds) -> dict[str, FloatArray]:
-    """Columns of e and of the sliding impulse ratio over the normal speed, dense near capture."""
-    unit, offset = law.unit, law.offset
-    x = np.geomspace(1e-4, law.fastest / unit - offset, ROWS, endpoint=False)
-    e, impulse = law(unit * (x + offset))
-    sliding = law.contact.friction * (np.ones(ROWS) if law.basis == "net" else impulse / (1.0 + e))
-    columns: dict[str, FloatArray] = {"normal_speed_m_per_s": unit * (x + offset)}
-    if law.capture_velocity:
-        columns = {"v_n_over_v_c": x + 1.0} | columns
+    """Columns of e and of the sliding impulse ratio over size and speed, dense near capture."""
+    sizes = np.geomspace(*law.sizes.ends, SIZES if law.sizes.half_width else 1)
+    diameter, unit = (np.repeat(a, ROWS) for a in (sizes, law.unit(sizes)))
+    top = law.fastest / law.unit(sizes) - law.offset
+    shares = np.linspace(0.0, 1.0, ROWS, endpoint=False)
+    rising = top > 1e-4  # spheres of other sizes rebound at no speed of the table
+    diameter, unit = (a[np.repeat(rising, ROWS)] for a in (diameter, unit))
+    x = np.ravel(1e-4 * (top[rising, None] / 1e-4) ** shares)
+    speed = unit * (x + law.offset)
+    e, impulse = law(speed, diameter)
+    ratio = 1.0 if law.basis == "net" else impulse / (1.0 + e)
+    columns = {"diameter_m": diameter}
+    if law.captures:
+        columns["v_n_over_v_c"] = x + 1.0
     return columns | {
+        "normal_speed_m_per_s": speed,
         "restitution": e,
-        "impulse_ratio_of_sliding": sliding,
+        "impulse_ratio_of_sliding": np.broadcast_to(law.sizes.middle.friction * ratio, e.shape),
         "supporting_impulse_per_mass_and_speed": impulse,
-        "error": np.full(ROWS, law.error),
+        "error": np.full(e.size, law.error),
     }
 
 
@@ -316,18 +512,18 @@ def _archive(law: Rebounds) -> bytes:
         coefficients=law.coefficients,
         lowest=law.table.lowest,
         split=law.table.split,
-        unit=law.unit,
+        bands=law.table.coefficients.shape[0],
+        slowness=law.slowness,
         offset=law.offset,
-        capture_velocity=law.capture_velocity,
-        radius=law.contact.radius,
-        friction=law.contact.friction,
+        diameters=law.sizes.ends,
+        friction=law.sizes.middle.friction,
     )
     return target.getvalue()
 
 
 def _wall_table(law: Rebounds) -> str:
     """Table of the undamped force of Eq. (25) over the distance of centre and wall."""
-    contact = law.contact
+    contact = law.sizes.middle
     radius, bent = float(contact.radius), float(contact.hertz_radius)
     deepest = 2.0 * float(
         (1.25 * contact.mass * law.fastest**2 / (np.sqrt(bent) * contact.stiffness)) ** 0.4

@@ -141,6 +141,8 @@ def lammps_files(contact: Contact, speeds: Numbers | None) -> dict[str, str]:
     TypeError, ValueError
         As `jkr_coefficients`; without adhesion speeds are needed.
     """
+    if contact.shape:
+        raise ValueError(f"format 'lammps-jkr' is of one contact, got {contact.shape}")
     limit = float(capture_velocity(contact))
     if not math.isfinite(limit):
         raise ValueError("no sphere leaves this contact at any speed: JKR has nothing to fit")

@@ -19,6 +19,7 @@ from numpy.polynomial import chebyshev
 
 from microimpact.core.arrays import FloatArray, Range
 from microimpact.model import passes
+from microimpact.model.law.families import NoTableError
 from microimpact.model.passes import DEGREE, WIDTH
 
 # Impacts that one call of the compiled code computes; threads share them out.
@@ -26,6 +27,9 @@ BLOCK = 1 << 15
 
 # Pieces per octave that are tried in turn, until the error is within the tolerance.
 SPLITS, TOLERANCES = (1, 2, 4, 8), Range(lower=0.0, upper=1.0)
+WIDTHS = 6  # nodes in a band
+# Nodes of a speed over g.
+SPEED_WIDTHS = (8, 11, 15, 20, 30, 45, 60)
 # Arguments of the compiled look-up.
 Compiled = tuple[FloatArray | tuple[int, ...] | float, ...]
 # Of x and g, arrays of one shape (n,), the quantities (WIDTH, n).
@@ -125,6 +129,39 @@ def powers_through_nodes(count: int) -> FloatArray:
     for degree, column in enumerate(columns):
         column[degree + 1 :] = 0.0
     return np.asarray(np.stack(columns, axis=1) @ inverse)
+
+
+def slowness(
+    speeds: Callable[[FloatArray], FloatArray], tolerance: float, *, alike: bool
+) -> FloatArray:
+    """Chebyshev coefficients in g of the reciprocal of a speed, which is nearly linear.
+
+    Parameters
+    ----------
+    speeds
+        The speed at places g; it must be finite and positive.
+    tolerance
+        Largest relative error.
+    alike
+        Whether it is the same at all.
+
+    Raises
+    ------
+    NoTableError
+        If it is infinite somewhere, or varies too much.
+    """
+    for count in (1,) if alike else SPEED_WIDTHS:
+        values = speeds(nodes(count))
+        if not np.all(np.isfinite(values)):
+            raise NoTableError("at no speed does a sphere of these contacts rebound")
+        coefficients = chebyshev.chebfit(nodes(count), 1.0 / values, count - 1)
+        held_out = between(count)
+        product = chebyshev.chebval(held_out, coefficients) * speeds(held_out)
+        if np.max(np.abs(product - 1.0)) <= tolerance:
+            return np.asarray(coefficients)
+    raise NoTableError(
+        "the speeds of these contacts differ by too much: take fewer sizes at a time"
+    )
 
 
 def _places(lowest: int, octaves: int, split: int, points: FloatArray) -> FloatArray:

@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -42,20 +41,20 @@ from microimpact.model.dynamics.impact import (
     velocity_components,
 )
 from microimpact.model.dynamics.normal import NormalImpact, integrate
-from microimpact.model.law.export import export
 from microimpact.model.law.families import Family, NoTableError, quantities
 from microimpact.model.law.pieces import (
     NOTHING,
     SPLITS,
     TOLERANCES,
+    WIDTHS,
     Compiled,
     Sampled,
     Table,
     between,
     compiled,
     in_blocks,
-    nodes,
     piecewise,
+    slowness,
 )
 
 TOLERANCE = 1e-9
@@ -64,14 +63,11 @@ TOLERANCE = 1e-9
 THRESHOLD = 2.0**-9
 NEAREST = -8  # the binary exponent of it
 
-# Octaves of speed that a table has at most; bands of velocity scales that are tried in turn; nodes
-# in a band.
+# Octaves of speed that a table has at most; bands of velocity scales that are tried in turn.
 MOST_OCTAVES = 64
 BANDS = (1, 2, 4, 8, 16, 32)
-WIDTHS = 6
 
-# Nodes for the capture velocity over the velocity scale; its error, divided by THRESHOLD, enters e.
-CAPTURE_WIDTHS = (8, 11, 15, 20, 30, 45, 60)
+# Of the capture velocity; its error, divided by THRESHOLD, enters e.
 CAPTURE_TOLERANCE = 1e-13
 
 # The error stated is so many times the error measured between the nodes.
@@ -178,52 +174,6 @@ class Law:
     def compiled(self) -> Compiled:
         """Arguments of the compiled look-up."""
         return compiled(self.slowness, self.captures, self.rebounds, THRESHOLD, self.error)
-
-    def export(
-        self,
-        path: Path | str,
-        format: str = "c",  # noqa: A002
-        friction_basis: str = "compressive",
-        tolerance: float = 1e-6,
-        speeds: Numbers | None = None,
-    ) -> list[Path]:
-        """Write the law of its one contact for another program.
-
-        It holds from rest to at least the fastest speed of the table.
-
-        Parameters
-        ----------
-        path
-            Folder of the files; it is made.
-        format
-            ``"c"``: a header in C99 without dependencies, and an example; ``"fluent"``,
-            ``"openfoam"``: the same with a boundary condition; ``"csv"``, ``"npz"``: e and the
-            impulses over the speed; ``"lammps"``: the force without damping as a table of a wall;
-            ``"lammps-jkr"``: coefficients of its granular contact ``jkr``, fitted.
-        friction_basis
-            As of `simulate`.
-        tolerance
-            Largest error of e and of the supporting impulse.
-        speeds
-            Normal speeds at which ``"lammps-jkr"`` is fitted, m/s; from 1.5 to 15 times the capture
-            velocity if none are given.
-
-        Returns
-        -------
-        list of Path
-            The files written.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If an argument is out of range, there are several contacts, or the table is below
-            capture.
-        OSError
-            If a file cannot be written.
-        """
-        return export(
-            self.contact, self.family, self.fastest, path, format, friction_basis, tolerance, speeds
-        )
 
     @property
     def pieces(self) -> int:
@@ -397,18 +347,9 @@ def _span(lowest: float, highest: float) -> tuple[int, int]:
 
 def _slowness(family: Family) -> FloatArray:
     """Chebyshev coefficients of one over the capture velocity, in velocity scales."""
-    for count in (1,) if family.alike else CAPTURE_WIDTHS:
-        limit = family.capture_speed(nodes(count))
-        if not np.all(np.isfinite(limit)):
-            raise NoTableError("at no speed does a sphere of these contacts rebound")
-        if not np.any(limit):
-            return np.zeros(0)
-        coefficients = chebyshev.chebfit(nodes(count), 1.0 / limit, count - 1)
-        held_out = between(count)
-        product = chebyshev.chebval(held_out, coefficients) * family.capture_speed(held_out)
-        if np.max(np.abs(product - 1.0)) <= CAPTURE_TOLERANCE:
-            return np.asarray(coefficients)
-    raise NoTableError("the velocity scales of these contacts differ by too much")
+    if not np.any(family.capture_speed(between(1))):
+        return np.zeros(0)
+    return slowness(family.capture_speed, CAPTURE_TOLERANCE, alike=family.alike)
 
 
 def _fitted(

@@ -10,10 +10,11 @@ import pytest
 from tests.shared import execute, require
 
 from microimpact.model.choices import FORMATS, FRICTION_BASES, WALL_FORMATS
+from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import planar
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.law.table import tabulate
+from microimpact.model.law.export import export
 
 STRICT = ("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2")
 FASTEST, COUNT = 20.0, 4000
@@ -29,12 +30,13 @@ compiled_here = pytest.mark.usefixtures("compiler")
 # So that many impacts are one call: what a host program's loop would do.
 LOOP = """
 #include "microimpact_rebound.h"
-void all(int n, const double *v_n, const double *v_t, const double *omega, double *V_n,
-         double *V_t, double *Omega, int *outcome)
+void all(int n, const double *d, const double *v_n, const double *v_t, const double *omega,
+         double *V_n, double *V_t, double *Omega, int *outcome)
 {
     int i;
     for (i = 0; i < n; i++)
-        outcome[i] = microimpact_rebound(v_n[i], v_t[i], omega[i], V_n + i, V_t + i, Omega + i);
+        outcome[i] = microimpact_rebound(d[i], v_n[i], v_t[i], omega[i],
+                                         V_n + i, V_t + i, Omega + i);
 }
 """
 
@@ -46,19 +48,32 @@ typedef double real;
 typedef int face_t;
 typedef struct { int id; } Thread;
 typedef struct { real velocity[3], before[3], diameter; } Tracked_Particle;
+static real memory[1];
+static const struct { int unsteady_tracking; } dpm_par = {1};
 enum { PATH_ACTIVE, PATH_END, PATH_ABORT };
 #define TP_VEL(p) ((p)->velocity)
 #define TP_VEL0(p) ((p)->before)
 #define TP_DIAM(p) ((p)->diameter)
+#define TP_CELL(p) 0
+#define TP_CELL_THREAD(p) 0
+#define TP_N(p) 10.0
+#define TP_MASS(p) 0.5
+#define TP_FLOW_RATE(p) 0.0
+#define N_UDM 1
+#define C_UDMI(c, t, i) memory[i]
 #define Message printf
+real captured_mass(void) { return memory[0]; }
 #define DEFINE_DPM_BC(name, p, t, f, n, d) \\
     int name(Tracked_Particle *p, Thread *t, face_t f, real n[], int d)
 """
 
 # And of OpenFOAM's.
 FOAM = """
+#include <iostream>
 #include <memory>
-#include <ostream>
+#include <string>
+#include <vector>
+#define forAll(list, i) for (int i = 0; i < int((list).size()); i++)
 #define TypeName(name) static constexpr const char* typeName = name
 #define FatalErrorInFunction FatalError
 namespace Foam {
@@ -77,10 +92,25 @@ inline vector operator*(double s, vector a) { return {s*a.x, s*a.y, s*a.z}; }
 inline vector& operator+=(vector& a, vector b) { a = {a.x + b.x, a.y + b.y, a.z + b.z}; return a; }
 inline double mag(vector a) { return __builtin_sqrt(a & a); }
 inline double mag(double a) { return __builtin_fabs(a); }
+using Ostream = std::ostream;
+using scalarList = std::vector<scalar>;
+static std::ostream& Info = std::cout;
+static const char nl = '\\n';
+template<class T> struct sumOp {};
+template<class T, class Op> T returnReduce(T value, Op) { return value; }
 struct dictionary {};
-struct polyPatch { virtual ~polyPatch() = default; };
+struct polyPatch {
+    virtual ~polyPatch() = default;
+    int index() const { return 0; }
+    std::string name() const { return "floor"; }
+};
 struct wallPolyPatch : polyPatch {};
 template<class T> bool isA(const polyPatch& p) { return dynamic_cast<const T*>(&p); }
+using polyBoundaryMesh = std::vector<wallPolyPatch>;
+struct Mesh {
+    polyBoundaryMesh patches = polyBoundaryMesh(1);
+    const polyBoundaryMesh& boundaryMesh() const { return patches; }
+};
 template<class T> struct autoPtr : std::unique_ptr<T> { using std::unique_ptr<T>::unique_ptr; };
 template<class C> struct PatchInteractionModel {
     C& cloud;
@@ -107,19 +137,21 @@ def compiled(pair, tmp_path_factory):
 
     def make(pair, basis="compressive"):
         folder = tmp_path_factory.mktemp("header")
-        tabulate(pair, 0.1, FASTEST).export(folder, "c", basis)
+        export(pair, folder, "c", FASTEST, basis)
         (folder / "loop.c").write_text(LOOP, encoding="utf-8")
         execute(*STRICT, "-shared", "-fPIC", "loop.c", "-o", "loop.so", "-lm", cwd=folder)
-        return ctypes.CDLL(str(folder / "loop.so")).all
+        loop = ctypes.CDLL(str(folder / "loop.so")).all
+        diameter = float(np.ravel(pair.diameter)[0])
+        return lambda *motion, size=diameter: rebounds(loop, size, *motion)
 
     return make
 
 
-def rebounds(loop, v_n, v_t, omega):
+def rebounds(loop, size, v_n, v_t, omega):
     found = [np.full(v_n.size, np.nan) for _ in range(3)]
     outcome = np.zeros(v_n.size, np.int32)
-    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (v_n, v_t, omega, *found, outcome)]
-    loop(v_n.size, *pointers)
+    arrays = np.full(v_n.size, size), v_n, v_t, omega, *found, outcome
+    loop(v_n.size, *(a.ctypes.data_as(ctypes.c_void_p) for a in arrays))
     return *found, outcome
 
 
@@ -131,7 +163,7 @@ def test_the_header_is_the_package(pair, compiled, basis):
     v_n = -limit * np.exp(random.uniform(np.log(0.1), np.log(FASTEST / limit), COUNT))
     v_t = random.normal(0.0, 5.0, COUNT)
     omega = random.normal(0.0, 5.0, COUNT) / float(pair.radius)
-    *found, outcome = rebounds(compiled(pair, basis), v_n, v_t, omega)
+    *found, outcome = compiled(pair, basis)(v_n, v_t, omega)
     expected = planar(pair, v_n, v_t, omega, basis)
     assert np.array_equal(outcome == 1, expected.captured)
     assert 0.1 < np.mean(expected.captured) < 0.9
@@ -149,8 +181,8 @@ def test_the_header_holds_for_two_spheres_by_the_shares_that_it_states(pair, com
     spins = np.array([2e4, -3e4])
     joint = spins[:1] + 2.0 * spins[1]
     v_n, v_t = np.array([-5.0]), np.array([1.0])
-    _, along, spin, _ = rebounds(compiled(spheres), v_n, v_t, joint)
-    (path,) = tabulate(spheres, 0.1, FASTEST).export(tmp_path, "csv")
+    _, along, spin, _ = compiled(spheres)(v_n, v_t, joint)
+    (path,) = export(spheres, tmp_path, "csv", FASTEST)
     text = path.read_text(encoding="utf-8")
     share, other = map(
         float, re.findall(r"the first sphere takes the share (\S+), the second (\S+);", text)[0]
@@ -161,7 +193,42 @@ def test_the_header_holds_for_two_spheres_by_the_shares_that_it_states(pair, com
     assert spins[1] + other * (spin - joint) == pytest.approx(expected.partner_spin, rel=1e-6)
     for form in WALL_FORMATS:
         with pytest.raises(ValueError, match="two spheres have c, csv and npz"):
-            tabulate(spheres, 0.1, FASTEST).export(tmp_path, form)
+            export(spheres, tmp_path, form, FASTEST)
+
+
+@compiled_here
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"hertz_damping": 0.0, "adhesion_damping": 0.0, "law": JKR(viscous_time=1e-10)},
+    ],
+)
+def test_the_header_holds_for_all_sizes_between_two(pair, compiled, changes):
+    random = np.random.default_rng(5)
+    if changes:
+        pair = pair.replace(adhesion_rate_exponent=0.0, **changes)
+    ends = np.array([4.0, 1.0]) * pair.diameter
+    size = np.exp(random.uniform(*np.log(np.sort(ends)), COUNT))
+    each = pair.replace(diameter=size)
+    v_n = -np.minimum(capture_velocity(each) * np.exp(random.normal(0.5, 1.5, COUNT)), 19.0)
+    v_t, omega = random.normal(0.0, 5.0, COUNT), random.normal(0.0, 5.0, COUNT) / size
+    loop = compiled(pair.replace(diameter=ends))
+    *found, outcome = loop(v_n, v_t, omega, size=size)
+    expected = planar(each, v_n, v_t, omega)
+    assert np.array_equal(outcome == 1, expected.captured)
+    assert 0.1 < np.mean(expected.captured) < 0.9
+    scale = np.abs(v_n) + np.abs(v_t) + np.abs(omega) * each.radius
+    for name, unit, value in zip(
+        ("normal_velocity", "tangential_velocity", "spin"),
+        (1.0, 1.0, each.radius),
+        found,
+        strict=True,
+    ):
+        assert np.max(np.abs(value - getattr(expected, name)) * unit / scale) < 2e-6, name
+    one = np.ones(1)
+    for wrong in (0.9 * ends.min(), 1.1 * ends.max(), np.nan):
+        assert loop(-one, one, one, size=wrong)[-1].tolist() == [-2]
 
 
 @compiled_here
@@ -170,7 +237,7 @@ def test_close_to_capture(pair, compiled):
     near = 10.0 ** -np.arange(3.0, 13.0)
     v_n = -limit * np.concatenate([1.0 + near, 1.0 - near])
     still = np.zeros_like(v_n)
-    normal, _, _, outcome = rebounds(compiled(pair), v_n, still, still)
+    normal, _, _, outcome = compiled(pair)(v_n, still, still)
     assert outcome.tolist() == [0] * near.size + [1] * near.size
     expected = planar(pair, v_n, still).normal_velocity
     assert np.max(np.abs(normal - expected)) < 1e-6 * limit
@@ -182,7 +249,7 @@ def test_without_adhesion(pair, compiled, changes):
     bare = pair.replace(work_of_adhesion=0.0, **changes)
     v_n = -np.geomspace(1e-6, 0.99 * FASTEST, 50)
     v_t, omega = np.ones(50), np.zeros(50)
-    *found, outcome = rebounds(compiled(bare), v_n, v_t, omega)
+    *found, outcome = compiled(bare)(v_n, v_t, omega)
     assert not outcome.any()
     expected = planar(bare, v_n, v_t, omega)
     assert np.max(np.abs(found[0] / expected.normal_velocity - 1.0)) < 1e-6
@@ -192,14 +259,14 @@ def test_without_adhesion(pair, compiled, changes):
 @compiled_here
 def test_what_the_table_does_not_hold_is_refused(pair, compiled):
     v_n = np.array([1.0, 0.0, np.nan, -1e6, -np.inf])
-    *found, outcome = rebounds(compiled(pair), v_n, np.ones(5), np.zeros(5))
+    *found, outcome = compiled(pair)(v_n, np.ones(5), np.zeros(5))
     assert outcome.tolist() == [-1] * 5
     assert np.all(np.isnan(found))
 
 
 @pytest.mark.parametrize("form", FORMATS)
 def test_files(pair, tmp_path, form):
-    written = tabulate(pair, 0.1, FASTEST).export(tmp_path / "new", form)
+    written = export(pair, tmp_path / "new", form, FASTEST)
     assert written
     files = [path for path in (tmp_path / "new").rglob("*") if path.is_file()]
     assert sorted(files) == sorted(written)
@@ -211,7 +278,7 @@ def test_files(pair, tmp_path, form):
 def test_a_name_stays_within_its_comment(pair, tmp_path, form):
     name = "α/β * (50 %), no. 7/"
     named = pair.replace(particle=replace(pair.particle, name=name))
-    for path in tabulate(named, 0.1, FASTEST).export(tmp_path, form):
+    for path in export(named, tmp_path, form, FASTEST):
         comment, _, code = path.read_text(encoding="utf-8").partition("*/\n")
         assert name not in code
         assert path.name == "example.c" or path.suffix in {".C", ""} or name in comment
@@ -220,7 +287,7 @@ def test_a_name_stays_within_its_comment(pair, tmp_path, form):
 @compiled_here
 def test_a_name_with_signs_of_c_compiles(pair, compiled):
     named = pair.replace(particle=replace(pair.particle, name="α/β * (50 %), no. 7/"))
-    assert rebounds(compiled(named), *np.array([[-1.0], [0.0], [0.0]]))[3].tolist() == [0]
+    assert compiled(named)(*np.array([[-1.0], [0.0], [0.0]]))[3].tolist() == [0]
 
 
 def loaded(written):
@@ -237,9 +304,8 @@ SUPPORTING = {
 
 @pytest.mark.parametrize("basis", FRICTION_BASES)
 def test_tables_are_integration(pair, tmp_path, basis):
-    law = tabulate(pair, 0.1, FASTEST)
-    table = pd.read_csv(law.export(tmp_path, "csv", basis)[0], comment="#")
-    archive = loaded(law.export(tmp_path, "npz", basis))
+    table = pd.read_csv(export(pair, tmp_path, "csv", FASTEST, basis)[0], comment="#")
+    archive = loaded(export(pair, tmp_path, "npz", FASTEST, basis))
     speed = table["normal_speed_m_per_s"].to_numpy()
     # So fast along the surface that the sphere slides throughout.
     slides = planar(pair, -speed, np.full_like(speed, 1e3), friction_basis=basis)
@@ -256,14 +322,15 @@ def test_tables_are_integration(pair, tmp_path, basis):
 @pytest.mark.parametrize("basis", FRICTION_BASES)
 def test_polynomials_of_the_archive_are_the_law_to_the_stated_error(pair, tmp_path, basis):
     """Put together by hand, of the numbers in the file alone."""
-    archive = loaded(tabulate(pair, 0.1, FASTEST).export(tmp_path, "npz", basis))
+    archive = loaded(export(pair, tmp_path, "npz", FASTEST, basis))
     octaves = archive["lowest"] - 1, np.log2(FASTEST / float(capture_velocity(pair)) - 1.0)
-    speed = archive["capture_velocity"] * (1.0 + np.exp2(np.linspace(*octaves, 4 * COUNT)))[1:]
-    mantissa, exponent = np.frexp(speed / archive["unit"] - archive["offset"])
+    (slowness,) = archive["slowness"]  # of a single size
+    speed = (1.0 + np.exp2(np.linspace(*octaves, 4 * COUNT)))[1:] / slowness
+    mantissa, exponent = np.frexp(speed * slowness - archive["offset"])
     along = (2.0 * mantissa - 1.0) * archive["split"]
     piece = (exponent - archive["lowest"]) * archive["split"] + along.astype(int)
-    powers = (2.0 * (along % 1.0) - 1.0)[:, None] ** np.arange(archive["coefficients"].shape[1])
-    values = np.einsum("np,npq->qn", powers, archive["coefficients"][piece])
+    powers = (2.0 * (along % 1.0) - 1.0)[:, None] ** np.arange(archive["coefficients"].shape[2])
+    values = np.einsum("np,npq->qn", powers, archive["coefficients"][piece, 0])
     exact = normal_impact(pair, speed, ledger=True)
     impulse = getattr(exact, SUPPORTING[basis]) / (pair.mass * speed)
     expected = np.stack([exact.coefficient_of_restitution, impulse])
@@ -273,7 +340,7 @@ def test_polynomials_of_the_archive_are_the_law_to_the_stated_error(pair, tmp_pa
 
 def test_the_comment_describes_the_contact(pair, tmp_path):
     pair = pair.replace(reference_velocity=2.5)
-    text = tabulate(pair, 0.1, FASTEST).export(tmp_path, "c", "hertz")[0].read_text("utf-8")
+    text = export(pair, tmp_path, "c", FASTEST, "hertz")[0].read_text("utf-8")
     comment = text.partition("*/")[0]
     symbols = {
         "w_A": pair.work_of_adhesion,
@@ -293,7 +360,7 @@ def test_the_comment_describes_the_contact(pair, tmp_path):
 
 
 def test_the_wall_of_lammps_pulls_and_pushes_as_the_contact_does(pair, tmp_path):
-    lines = tabulate(pair, 0.1, FASTEST).export(tmp_path, "lammps")[0].read_text().splitlines()
+    lines = export(pair, tmp_path, "lammps", FASTEST)[0].read_text().splitlines()
     rows = np.array([line.split() for line in lines if line[:1].isdigit()], dtype=float)
     r, energy, force = rows[:, 1:].T
     assert (rows[:, 0] == np.arange(1, len(rows) + 1)).all()
@@ -311,26 +378,33 @@ def test_the_wall_of_lammps_pulls_and_pushes_as_the_contact_does(pair, tmp_path)
 
 @compiled_here
 def test_the_example_runs(pair, tmp_path):
-    tabulate(pair, 0.1, FASTEST).export(tmp_path, "c")
+    export(pair, tmp_path, "c", FASTEST)
     execute(*STRICT, "example.c", "-lm", cwd=tmp_path)
 
+    command = tmp_path / "a.out"
+
     def example(*words):
-        return execute(tmp_path / "a.out", *words, check=False)
+        return execute(command, str(pair.diameter), *words, check=False)
 
     after = planar(pair, -8.0, 1.0)
     first = float(example("8", "1", "0").stdout.split()[1])
     assert first == pytest.approx(float(after.normal_velocity), rel=1e-6)
     assert example("1e-3", "1", "0").stdout.startswith("captured")
-    assert example("1").returncode == example("1e9", "0", "0").returncode == 2
+    assert example("1e9", "0", "0").returncode == execute(command, check=False).returncode == 2
+    wrong = execute(command, str(2.0 * pair.diameter), "8", "1", "0", check=False)
+    assert wrong.returncode == 2
+    assert "the diameter must be from" in wrong.stderr
 
 
 @compiled_here
 def test_fluents_boundary_condition_against_a_stub(pair, tmp_path):
-    tabulate(pair, 0.1, FASTEST).export(tmp_path, "fluent")
+    export(pair, tmp_path, "fluent", FASTEST)
     (tmp_path / "udf.h").write_text(FLUENT, encoding="utf-8")
     library = ("-I.", "-shared", "-fPIC", "microimpact_fluent.c", "-o", "bc.so", "-lm")
     execute(*STRICT, *library, cwd=tmp_path)
-    wall = ctypes.CDLL(str(tmp_path / "bc.so")).microimpact_wall
+    loaded = ctypes.CDLL(str(tmp_path / "bc.so"))
+    wall, deposit = loaded.microimpact_wall, loaded.captured_mass
+    deposit.restype = ctypes.c_double
     vector = ctypes.c_double * 3
 
     def impact(*velocity, size=1.0):
@@ -343,7 +417,9 @@ def test_fluents_boundary_condition_against_a_stub(pair, tmp_path):
     expected = [3.0 * along, 4.0 * along, float(after.normal_velocity)]
     assert outcome == 0
     assert particle == pytest.approx(2 * expected, rel=1e-6)
+    assert deposit() == 0.0
     assert impact(0.0, 1.0, -1e-3)[0] == 1
+    assert deposit() == 5.0  # ten spheres of half a kilogram
     assert impact(0.0, 1.0, -1e6)[0] == 2
     assert [impact(3.0, 4.0, -8.0, size=size)[0] for size in SIZES] == [2, 0, 0, 2]
 
@@ -358,14 +434,18 @@ OF_FOAM = """
 using namespace Foam;
 struct Parcel {
     vector velocity;
-    double diameter = 2*MICROIMPACT_RADIUS;
+    double diameter = DIAMETER;
     bool moving = true;
     double d() const { return diameter; }
     vector& U() { return velocity; }
     void active(bool still) { moving = still; }
+    double nParticle() const { return 10.0; }
+    double mass() const { return 0.5; }
 };
 struct Cloud {
     using parcelType = Parcel;
+    Mesh space;
+    const Mesh& mesh() const { return space; }
     void patchData(Parcel&, const polyPatch&, vector& normal, vector& velocity)
     {
         normal = {0, 0, -1};
@@ -388,27 +468,30 @@ int main()
     try { model.correct(parcel, wallPolyPatch{}, kept); } catch (int) { std::printf("2 "); }
     std::printf("%d\\n", model.correct(parcel, polyPatch{}, kept));
     for (double size : {SIZES}) {
-        Parcel parcel{{4.0, 4.0, -8.0}, size*2*MICROIMPACT_RADIUS};
+        Parcel parcel{{4.0, 4.0, -8.0}, size*DIAMETER};
         try { std::printf("%d ", model.correct(parcel, wallPolyPatch{}, kept)); }
         catch (int) { std::printf("2 "); }
     }
+    std::printf("\\n");
+    std::fflush(stdout);
+    model.info();
 }
 """
 
 
 @compiled_here
 def test_openfoams_patch_interaction_against_a_stub(pair, tmp_path):
-    tabulate(pair, 0.1, FASTEST).export(tmp_path, "openfoam")
-    for name in ("PatchInteractionModel.H", "wallPolyPatch.H"):
+    export(pair, tmp_path, "openfoam", FASTEST)
+    for name in ("PatchInteractionModel.H", "wallPolyPatch.H", "scalarList.H"):
         (tmp_path / name).write_text(f"#pragma once\n{FOAM if name[0] == 'P' else ''}")
     program = OF_FOAM.replace("SIZES", ", ".join(map(str, SIZES)))
+    program = program.replace("DIAMETER", repr(float(pair.diameter)))
     (tmp_path / "main.cpp").write_text(program, encoding="utf-8")
     command = ("g++", "-std=c++14", "-Wall", "-Werror", "-I.", "main.cpp", "-o", "foam")
     execute(*command, cwd=tmp_path)
     text = execute(tmp_path / "foam").stdout
-    fast, slow, other, sizes = (
-        [float(word) for word in line.split()] for line in text.splitlines()
-    )
+    *lines, captured = text.splitlines()
+    fast, slow, other, sizes = ([float(word) for word in line.split()] for line in lines)
     after = planar(pair, -8.0, 5.0)  # relative to a patch that moves with 1 m/s along x
     along = float(after.tangential_velocity) / 5.0
     velocity = [1.0 + 3.0 * along, 4.0 * along, float(after.normal_velocity)]
@@ -416,6 +499,7 @@ def test_openfoams_patch_interaction_against_a_stub(pair, tmp_path):
     assert slow == [1.0, 0.0, 1.0, 0.0, 0.0]
     assert other == [2.0, 0.0]
     assert sizes == [2.0, 1.0, 1.0, 2.0]
+    assert captured.strip() == "Captured in this run by patch floor: 10 particles, 5 kg"
 
 
 @pytest.mark.parametrize(
@@ -430,14 +514,32 @@ def test_openfoams_patch_interaction_against_a_stub(pair, tmp_path):
 )
 def test_bad_input_is_refused(pair, tmp_path, changes, message):
     with pytest.raises(ValueError, match=message):
-        tabulate(pair, 0.1, FASTEST).export(tmp_path / "none", **changes)
+        export(pair, tmp_path / "none", fastest=FASTEST, **changes)
     assert not (tmp_path / "none").exists()
 
 
-def test_one_contact_that_rebounds(pair, tmp_path):
-    sizes = pair.replace(diameter=np.array([1.0, 1.1]) * pair.diameter)
-    with pytest.raises(ValueError, match="contact must be a single one"):
-        tabulate(sizes, 0.1, FASTEST).export(tmp_path)
+def test_contacts_that_cannot_be_one_law_are_refused(pair, tmp_path):
+    several = pair.replace(diameter=np.array([1.0, 1.1]) * pair.diameter)
+    with pytest.raises(ValueError, match="'lammps' is of one size: export each diameter"):
+        export(several, tmp_path, "lammps", FASTEST)
+    several = pair.replace(friction=np.array([0.1, 0.2]))
+    with pytest.raises(ValueError, match="must differ in diameter alone"):
+        export(several, tmp_path, fastest=FASTEST)
+    jkr = pair.replace(
+        hertz_damping=0.0, adhesion_damping=0.0, adhesion_rate_exponent=0.0, law="jkr"
+    )
+    with pytest.raises(ValueError, match="LAMMPS itself has 'jkr'"):
+        export(jkr, tmp_path, "lammps", FASTEST)
     slow = 0.5 * float(capture_velocity(pair))
     with pytest.raises(ValueError, match="fastest must be above the capture velocity"):
-        tabulate(pair, 0.5 * slow, slow).export(tmp_path)
+        export(pair, tmp_path, fastest=slow)
+
+
+def test_tables_of_several_sizes_are_integration(pair, tmp_path):
+    several = pair.replace(diameter=np.array([1.0, 5.0]) * pair.diameter)
+    table = pd.read_csv(export(several, tmp_path, "csv", FASTEST)[0], comment="#")
+    each = pair.replace(diameter=table["diameter_m"].to_numpy())
+    exact = normal_impact(each, table["normal_speed_m_per_s"].to_numpy())
+    error = table["error"][0]
+    assert np.allclose(table["restitution"], exact.coefficient_of_restitution, rtol=0, atol=error)
+    assert table["diameter_m"].nunique() > 10

@@ -6,8 +6,8 @@ import pytest
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.laws import BROKEN, PULL_OFF, jkr_restitution
+from microimpact.model.law.export import export
 from microimpact.model.law.jkr import jkr_coefficients
-from microimpact.model.law.table import tabulate
 
 SPEEDS = np.array([0.1, 0.3, 1.0])
 
@@ -44,14 +44,16 @@ def test_the_capture_velocity_is_kept_and_the_misfit_stated(contact):
 
 
 def test_speeds_are_asked_for_where_they_are_needed(contact, tmp_path):
-    law = tabulate(contact, 1.0, 2.0)
     limit = float(capture_velocity(contact))
     with pytest.raises(ValueError, match=rf"above the capture velocity {limit:.6g} m/s, got 0.001"):
-        law.export(tmp_path, "lammps-jkr", speeds=[0.001, 1.0])
+        export(contact, tmp_path, "lammps-jkr", speeds=[0.001, 1.0])
     with pytest.raises(ValueError, match="speeds are of the format 'lammps-jkr', got format 'c'"):
-        law.export(tmp_path, "c", speeds=[1.0])
-    bare = tabulate(contact.replace(work_of_adhesion=0.0), 1.0, 2.0)
+        export(contact, tmp_path, "c", speeds=[1.0])
+    bare = contact.replace(work_of_adhesion=0.0)
     with pytest.raises(ValueError, match="speeds are needed where nothing is captured"):
-        bare.export(tmp_path, "lammps-jkr")
+        export(bare, tmp_path, "lammps-jkr")
+    sizes = contact.replace(diameter=[5e-6, 6e-6])
+    with pytest.raises(ValueError, match=r"format 'lammps-jkr' is of one contact, got \(2,\)"):
+        export(sizes, tmp_path, "lammps-jkr")
     assert not list(tmp_path.iterdir())
-    assert " 0.0 0.28 0 " not in bare.export(tmp_path, "lammps-jkr", speeds=2.0)[0].read_text()
+    assert " 0.0 0.28 0 " not in export(bare, tmp_path, "lammps-jkr", speeds=2.0)[0].read_text()

@@ -6,13 +6,17 @@
 template<class CloudType>
 Foam::MicroimpactRebound<CloudType>::MicroimpactRebound(const dictionary& dict, CloudType& cloud)
 :
-    PatchInteractionModel<CloudType>(dict, cloud, typeName)
+    PatchInteractionModel<CloudType>(dict, cloud, typeName),
+    mass_(cloud.mesh().boundaryMesh().size(), scalar(0)),
+    number_(mass_)
 {}
 
 template<class CloudType>
 Foam::MicroimpactRebound<CloudType>::MicroimpactRebound(const MicroimpactRebound<CloudType>& other)
 :
-    PatchInteractionModel<CloudType>(other)
+    PatchInteractionModel<CloudType>(other),
+    mass_(other.mass_),
+    number_(other.number_)
 {}
 
 template<class CloudType>
@@ -28,12 +32,6 @@ bool Foam::MicroimpactRebound<CloudType>::correct
     {
         return false;
     }
-    if (mag(parcel.d() - MICROIMPACT_DIAMETER) > 0.01*MICROIMPACT_DIAMETER)
-    {
-        FatalErrorInFunction
-            << "a parcel of " << parcel.d() << " m meets the rebound law of "
-            << MICROIMPACT_DIAMETER << " m: export the law of its size" << exit(FatalError);
-    }
 
     // The normal points out of the domain; velocities are relative to the patch
     vector normal, patchVelocity;
@@ -46,9 +44,15 @@ bool Foam::MicroimpactRebound<CloudType>::correct
     double afterNormal, afterTangential, afterSpin;
     const int outcome = microimpact_rebound
     (
-        -towards, tangential, 0.0, &afterNormal, &afterTangential, &afterSpin
+        parcel.d(), -towards, tangential, 0.0, &afterNormal, &afterTangential, &afterSpin
     );
-    if (outcome < 0 && towards > 0)
+    if (outcome == -2)
+    {
+        FatalErrorInFunction
+            << "a parcel of " << parcel.d() << " m meets the rebound law of " << MICROIMPACT_SMALLEST
+            << " to " << MICROIMPACT_LARGEST << " m: export it for all sizes" << exit(FatalError);
+    }
+    if (outcome == -1 && towards > 0)
     {
         FatalErrorInFunction
             << "normal speed " << towards << " m/s is beyond the rebound law, "
@@ -58,6 +62,8 @@ bool Foam::MicroimpactRebound<CloudType>::correct
     {
         parcel.U() = patchVelocity;
         parcel.active(false);
+        mass_[patch.index()] += parcel.nParticle()*parcel.mass();
+        number_[patch.index()] += parcel.nParticle();
     }
     else if (outcome == 0)
     {
@@ -68,4 +74,20 @@ bool Foam::MicroimpactRebound<CloudType>::correct
         }
     }
     return true;
+}
+
+template<class CloudType>
+void Foam::MicroimpactRebound<CloudType>::report()
+{
+    const polyBoundaryMesh& patches = this->owner().mesh().boundaryMesh();
+    forAll(patches, patchi)
+    {
+        const scalar number = returnReduce(number_[patchi], sumOp<scalar>());
+        const scalar mass = returnReduce(mass_[patchi], sumOp<scalar>());
+        if (isA<wallPolyPatch>(patches[patchi]))
+        {
+            Info<< "    Captured in this run by patch " << patches[patchi].name() << ": "
+                << number << " particles, " << mass << " kg" << nl;
+        }
+    }
 }

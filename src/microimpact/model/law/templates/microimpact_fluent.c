@@ -3,8 +3,10 @@
  * $described
  *
  * Compile it with the header beside it, and choose microimpact_wall as boundary condition of the
- * discrete phase at the wall. The path of a particle of another diameter, by more than 1 %, is aborted
- * with a message; spin is taken as zero, since the tracked particle carries none by default.
+ * discrete phase at the wall. The path of a particle whose size or speed the law does not hold for is
+ * aborted with a message; spin is taken as zero, since the tracked particle carries none by default.
+ * With a user-defined memory allocated, the first sums the mass that is captured beside each wall: in
+ * kg where particles are tracked in time, in kg/s where they are not. Not for axisymmetric swirl.
  */
 #include "udf.h"
 
@@ -14,18 +16,11 @@ DEFINE_DPM_BC(microimpact_wall, particle, thread, face, normal, dim)
 {
     real v_n = 0.0, v_t = 0.0, tangential[3] = {0.0, 0.0, 0.0};
     double after_n, after_t, after_spin;
-    int i, captured;
+    int i, outcome;
     static int warned = 0;
 
     (void)thread;
     (void)face;
-    if (fabs(TP_DIAM(particle) - MICROIMPACT_DIAMETER) > 0.01 * MICROIMPACT_DIAMETER) {
-        if (!warned)
-            Message("microimpact: a particle of %g m meets the rebound law of %g m; its path, and that "
-                    "of all of other sizes, is aborted\n", TP_DIAM(particle), MICROIMPACT_DIAMETER);
-        warned = 1;
-        return PATH_ABORT;
-    }
     /* The normal of the face points out of the fluid: a particle that arrives has v_n > 0. */
     for (i = 0; i < dim; i++)
         v_n += TP_VEL(particle)[i] * normal[i];
@@ -34,9 +29,20 @@ DEFINE_DPM_BC(microimpact_wall, particle, thread, face, normal, dim)
         v_t += tangential[i] * tangential[i];
     }
     v_t = sqrt(v_t);
-    captured = microimpact_rebound(-v_n, v_t, 0.0, &after_n, &after_t, &after_spin);
-    if (captured != 0)
-        return captured > 0 ? PATH_END : PATH_ABORT;
+    outcome = microimpact_rebound(TP_DIAM(particle), -v_n, v_t, 0.0, &after_n, &after_t, &after_spin);
+    if (outcome < 0) {
+        if (!warned)
+            Message("microimpact: the rebound law does not hold for a particle of %g m at %g m/s along "
+                    "the normal; its path is aborted, and so are all such\n", TP_DIAM(particle), v_n);
+        warned = 1;
+        return PATH_ABORT;
+    }
+    if (outcome == 1) {
+        if (N_UDM > 0)
+            C_UDMI(TP_CELL(particle), TP_CELL_THREAD(particle), 0) +=
+                dpm_par.unsteady_tracking ? TP_N(particle) * TP_MASS(particle) : TP_FLOW_RATE(particle);
+        return PATH_END;
+    }
     for (i = 0; i < dim; i++) {
         TP_VEL(particle)[i] = (v_t > 0.0 ? after_t / v_t * tangential[i] : 0.0) - after_n * normal[i];
         TP_VEL0(particle)[i] = TP_VEL(particle)[i];
