@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from microimpact.cli.contacts import RING_FORCE, contact_of, contact_options
+from microimpact.cli.contacts import contact_of, contact_options
 from microimpact.cli.output import number, precise, print_json, print_table, warn
 from microimpact.model.choices import CALIBRATED
+from microimpact.model.contact_laws import RING_FORCE
 
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds

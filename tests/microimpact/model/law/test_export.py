@@ -268,8 +268,9 @@ def test_what_the_table_does_not_hold_is_refused(pair, compiled):
 def test_files(pair, tmp_path, form):
     written = export(pair, tmp_path / "new", form, FASTEST)
     assert written
-    files = [path for path in (tmp_path / "new").rglob("*") if path.is_file()]
-    assert sorted(files) == sorted(written)
+    assert sorted(path for path in (tmp_path / "new").rglob("*") if path.is_file()) == sorted(
+        written
+    )
     texts = [path.read_text(encoding="latin-1") for path in written if form != "npz"]
     assert not [text for text in texts if re.search(r"\$[a-z]", text)]
 
