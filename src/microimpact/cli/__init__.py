@@ -84,6 +84,14 @@ def commands() -> None:
     """
 
 
+@click.command("warm-up")
+def warm_up_command() -> None:
+    """Compile the models once, in about half a minute, so that no later command has to."""
+    from microimpact.lab.warm import main as compile_all
+
+    compile_all()
+
+
 for _command in (
     simulate_command,
     capture_command,
@@ -93,5 +101,6 @@ for _command in (
     materials_command,
     reference_command,
     verify_command,
+    warm_up_command,
 ):
     commands.add_command(_command)

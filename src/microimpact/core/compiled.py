@@ -2,7 +2,7 @@
 
 The cache is kept beside the source, else in the user's cache directory; ``NUMBA_CACHE_DIR`` names
 another place. Where none can be written (an installation for reading only, without a home), every
-process compiles anew, in some seconds.
+process compiles again. Either is said once a process, on stderr.
 
 Each module with compiled functions holds all functions and constants that they use: the cache looks
 only at the file of the function it loads, and would keep what stood in another. Numba itself, a
@@ -11,12 +11,16 @@ third of a second of every start, is loaded with the first call of a compiled fu
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
-from functools import update_wrapper
+from functools import cache, update_wrapper
+from pathlib import Path
 from threading import RLock
 from typing import Any
 
 _LOCK = RLock()
+FIRST = "compiling, this once, up to half a minute; `microimpact warm-up` compiles all at once"
+UNCACHED = "compiling in every process: no cache can be written; NUMBA_CACHE_DIR names a place"
 
 
 def jit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -51,6 +55,18 @@ class _Uncompiled:
 
         options: Any = {"nogil": True, "error_model": "numpy"} | self.options
         try:
-            return njit(cache=True, **options)(self.function)
+            dispatcher = njit(cache=True, **options)(self.function)
         except RuntimeError:  # "no locator available": nowhere to write
+            notice(UNCACHED)
             return njit(**options)(self.function)
+        source = Path(self.function.__code__.co_filename)
+        index = f"{source.stem}.*.nbi"
+        if not any(Path(dispatcher.stats.cache_path).glob(index)):
+            notice(FIRST)
+        return dispatcher
+
+
+@cache
+def notice(words: str) -> None:
+    """Write a line for whoever waits, once a process."""
+    sys.stderr.write(f"microimpact: {words}\n")

@@ -1,4 +1,4 @@
-"""Compile all there is to compile: ``python -m microimpact.lab.warm``.
+"""Compile all there is to compile: ``microimpact warm-up``.
 
 Jobs that start side by side on a new machine would each compile the same functions.
 """
