@@ -20,6 +20,11 @@ FORBIDDEN = re.compile(
 )
 # In words alone: in code these belong to other programs.
 IN_PROSE = re.compile(r"\b(?:colors?|centers?|per cent|neighbors?)\b", re.IGNORECASE)
+# Words and syntax at which a native reader of English stumbles.
+UNIDIOMATIC = re.compile(
+    r"\badmit(?:s|ted)?\b|\banew\b|\bof (?:its|their|your|one's) own\b|\btold\b|\bhanded\b"
+    r"|\bstands? beside\b|\bWho (?:changes|wants|needs|uses|breaks|starts)\b"
+)
 # This file lists what is forbidden; a library has an American name.
 EXEMPT = {"tests/docs/test_words.py", "tests/study/studies/test_sensitivity.py"}
 KINDS = {".py", ".md", ".yaml", ".smk", ".html", ".js", ".rst", ".jinja", ".toml"}
@@ -57,6 +62,17 @@ def test_no_file_has_a_forbidden_word():
 def test_pages_are_in_british_spelling():
     pages = [path for path in written() if path.suffix in {".md", ".rst", ".jinja"}]
     assert not found(IN_PROSE, pages)
+
+
+def test_prose_is_idiomatic():
+    prose = {"config/figures.yaml", "config/claims.yaml"}
+    paths = [
+        path
+        for path in written()
+        if path.suffix in {".md", ".rst", ".jinja", ".html"}
+        or str(path.relative_to(ROOT)) in prose
+    ]
+    assert not found(UNIDIOMATIC, paths)
 
 
 @pytest.mark.parametrize("word", ["analyzer", "Digitized", "a couple of", "HOPELESS_GROUP"])

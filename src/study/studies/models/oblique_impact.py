@@ -64,7 +64,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``fig18``: impulse ratio against the angle in degrees; panel ``adhesion`` compares the rigid
     body with the simulation, panel ``basis`` the normal forces that Coulomb's law may take.
     ``fig21``: energy loss, total and translational. Captured impacts are left out. The series
-    ``posterior`` is the band of the contacts drawn by the statements, if they are of the
+    ``posterior`` is the band of the posterior contacts, if they are of the
     pair; ``virtual experiment`` has the means of experiments on this very impact, if any.
     """
     changes = {"diameter": params.diameter_um * 1e-6, "friction": params.friction}
