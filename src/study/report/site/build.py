@@ -47,7 +47,7 @@ COPIED = {
 }
 ARCHIVE = "files/figures.zip"
 # Shown at the head of the front page: the main picture, and three more.
-FIRST = ("evidence", "ptis_frame", "capture_laws", "rival_restitution")
+FIRST = ("evidence", "capture_laws", "rival_restitution", "oblique_rebounds")
 # Claims that decide most of the article's argument.
 FIRST_CLAIMS = frozenset(
     ("C03", "C09", "C16", "C19", "C27", "C34", "C36", "C43", "C45", "C66", "C104", "C111")
