@@ -69,8 +69,7 @@ def test_prose_is_idiomatic():
     paths = [
         path
         for path in written()
-        if path.suffix in {".md", ".rst", ".jinja", ".html"}
-        or str(path.relative_to(ROOT)) in prose
+        if path.suffix in {".md", ".rst", ".jinja", ".html"} or str(path.relative_to(ROOT)) in prose
     ]
     assert not found(UNIDIOMATIC, paths)
 

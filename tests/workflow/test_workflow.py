@@ -234,7 +234,7 @@ def test_an_analysis_that_cannot_be_imported_is_named(project):
 def test_a_failing_study_of_the_copy_is_named_and_leaves_no_table(project):
     """The copy runs its own code, not that of the checkout the package is installed from."""
     path = "src/study/studies/models/restitution_trends.py"
-    broken = "\n\ndef run(params, inputs):\n    raise ValueError('speed out of reach')\n"
+    broken = "\n\ndef run(params, inputs):\n    raise TypeError('speed out of reach')\n"
     root = ("--config", "pathvars={results: build/broken}")
     with project.edited(path, lambda text: text + broken):
         done = project.snakemake("fig14", *root, check=False)

@@ -54,7 +54,7 @@ def coulomb(run_study):
 
 
 def crosses(ax):
-    return [line for line in ax.lines if line.get_marker() in style.CROSSES]
+    return [line for line in ax.lines if line.get_marker() in style.POINT_MARKS["digitised"]]
 
 
 def test_points_lie_over_the_panel_they_name(coulomb, figures, points, draw, legend_texts):

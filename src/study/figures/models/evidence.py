@@ -17,10 +17,11 @@ from study.tables import Tables
 APART = 0.19
 ALL, FEW = "all laws", "few contacts"
 BOLD: dict[str, Any] = {"color": "black", "linewidth": 1.6, "markersize": 4.0}
-GREY: dict[str, Any] = {"color": "0.7"}
+GREY: dict[str, Any] = {"color": "0.7", "markerfacecolor": "white"}
+MARKS = ("o", "s", "^", "D", "v", "P")
 SYMBOLS = {"v_c": "$v_c$", "w_A": "$w_A$", "c_A": "$c_A$", "n to": "$n$ to", "J/m2": "J/m$^2$"}
 HEADS = {"scenario": "Scenarios", "without": "One statement less", "choice": "Other choices"}
-LINE: dict[str, Any] = {"marker": "o", "markersize": 2.6, "linewidth": 1.1, "linestyle": "none"}
+LINE: dict[str, Any] = {"markersize": 2.8, "linewidth": 1.1, "linestyle": "none"}
 
 
 @style.context()
@@ -53,6 +54,7 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, panel: PanelSpec, *, is_first: bo
     for number, law in enumerate(laws):
         shift = APART * (number - 0.5 * (len(laws) - 1))
         look = LINE | {"color": f"C{panel.series[law].colour or 0}"} | (BOLD if law == ALL else {})
+        look |= {"marker": MARKS[list(panel.series).index(law)]}
         for grey, label in (({}, panel.series[law].label), (GREY, panel.series[FEW].label)):
             part = rows[(rows["law"] == law) & (is_grey == bool(grey))]
             middle, low, high = part.iloc[:, 4], part["y_low"], part["y_high"]
