@@ -104,7 +104,9 @@ def require_results_folder(folder: Path | str) -> None:
     """
     folder = Path(folder)
     if folder.is_dir():
-        is_usable = (folder / STAMP).is_file() or not any(folder.iterdir())
+        # A run that was killed while it wrote its stamp leaves a part of it.
+        others = [path for path in folder.iterdir() if not path.name.startswith(f".{STAMP}.")]
+        is_usable = (folder / STAMP).is_file() or not others
     else:
         is_usable = not folder.exists() and not set(str(folder)) & set("{}<>~")
     if not is_usable:

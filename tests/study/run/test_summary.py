@@ -93,5 +93,7 @@ def test_results_go_where_nothing_else_is(tmp_path, monkeypatch, name):
     with pytest.raises(ValueError, match=r"pathvars\.results: .* must be a new or empty folder"):
         runstamp.require_results_folder(name)
     (tmp_path / "src/run.json").write_text("{}")
-    for usable in ("src", "new/folder", tmp_path / "other"):
+    (tmp_path / "killed").mkdir()
+    (tmp_path / "killed/.run.json.abc").write_text("{")
+    for usable in ("src", "new/folder", "killed", tmp_path / "other"):
         runstamp.require_results_folder(usable)
