@@ -59,11 +59,15 @@ class _Uncompiled:
         except RuntimeError:  # "no locator available": nowhere to write
             notice(UNCACHED)
             return njit(**options)(self.function)
-        source = Path(self.function.__code__.co_filename)
-        index = f"{source.stem}.*.nbi"
-        if not any(Path(dispatcher.stats.cache_path).glob(index)):
-            notice(FIRST)
+        announce(dispatcher.stats.cache_path, Path(self.function.__code__.co_filename).stem)
         return dispatcher
+
+
+@cache
+def announce(folder: str, module: str) -> None:
+    """Say that functions are compiled for the first time; a module is looked for once."""
+    if not any(Path(folder).glob(f"{module}.*.nbi")):
+        notice(FIRST)
 
 
 @cache

@@ -105,10 +105,14 @@ def context() -> Iterator[None]:
         yield
 
 
+def _sheet(spec: FigureSpec) -> Figure:
+    """Return an empty figure of the size declared."""
+    return Figure(figsize=(WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH))
+
+
 def new_figure(spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
     """Return an empty figure with its panels, by name, axes set up."""
-    size = WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH
-    figure = Figure(figsize=size)
+    figure = _sheet(spec)
     columns = spec.columns or len(spec.panels)
     rows = -(-len(spec.panels) // columns)
     places = [figure.add_subplot(rows, columns, i + 1) for i in range(len(spec.panels))]
@@ -122,8 +126,7 @@ def new_figure(spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
 @context()
 def without_data(spec: FigureSpec, words: str) -> Figure:
     """Return the figure in place of one whose data could not be computed: the reason in words."""
-    size = WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH
-    figure = Figure(figsize=size)
+    figure = _sheet(spec)
     figure.set_layout_engine("none")
     letters = int(WIDTH_MM[spec.width] / KEY_LETTER_MM)
     figure.text(0.5, 0.5, textwrap.fill(words, letters), ha="center", va="center")
