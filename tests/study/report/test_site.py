@@ -25,9 +25,11 @@ from study.report.site.build import (
     CLAIM_COLUMNS,
     EQUATION_COLUMNS,
     INPUT_COLUMNS,
+    LATER_COLUMNS,
     site_pages,
     write_site,
 )
+from study.report.site.chains import chains_json
 from study.report.site.code import modules, place
 from study.report.site.figures import departures, joined, studies_behind
 from study.report.site.graph import needs, upstream, users
@@ -94,6 +96,33 @@ def test_the_ledger_of_claims_in_one_file_keeps_its_schema(site, results):
     numbers = [number for claim in content["claims"] for number in claim["numbers"]]
     assert len(numbers) == len(pd.read_csv(results / "tables/claim_results.csv"))
     assert {number["passed"] for number in numbers} == {True, False, None}
+
+
+@pytest.mark.parametrize(
+    ("verdict", "status"),
+    [
+        ("reproduced", "Validated"),
+        ("not reproduced", "Contradicted"),
+        ("calibrated", "Inconclusive"),
+        ("not of this experiment", "NotTested"),
+    ],
+)
+def test_a_replication_chain_leads_from_the_outcome_to_the_quote(verdict, status):
+    row = dict.fromkeys((*CLAIM_COLUMNS, *LATER_COLUMNS), "") | {
+        "id": "C01",
+        "statement": "Spheres stick.",
+        "quote": "they stick",
+        "verdict": verdict,
+    }
+    drafts = json.loads(chains_json([row, row | {"quote": ""}], "abc"))["@graph"]
+    quote, aida, claim, study, outcome = (draft["@graph"][0] for draft in drafts)
+    assert outcome["slt:hasValidationStatus"] == {"@id": f"slt:{status}"}
+    assert outcome["slt:isOutcomeOf"]["@id"] == study["@id"]
+    assert study["slt:targetsClaim"]["@id"] == claim["@id"]
+    assert claim["slt:asAidaStatement"]["@id"] == aida["@id"]
+    assert aida["@id"] == "http://purl.org/aida/Spheres+stick."
+    assert aida["skos:related"]["@id"] == drafts[0]["@id"]
+    assert quote["cito:hasQuotedText"] == "they stick"
 
 
 def test_a_claim_and_an_equation_lead_to_their_code(pages, results):

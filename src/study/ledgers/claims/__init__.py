@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 COLUMNS = (
-    *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
-    *("unit", "verdict", "margin", "shares", "decided_by", "independent", "evidence"),
-    *("figures", "code", "inputs", "changed_inputs", "reason", "note"),
+    *("id", "where", "section", "quote", "statement", "kind", "criterion", "article_value"),
+    *("computed_value", "unit", "verdict", "margin", "shares", "decided_by", "independent"),
+    *("evidence", "figures", "code", "inputs", "changed_inputs", "reason", "note"),
 )
 AMENDMENT_COLUMNS = ("id", "part", "was", "now", "reason")
 
@@ -179,6 +179,8 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
     row = {
         "id": claim.id,
         "where": claim.where,
+        "section": claim.section,
+        "quote": claim.quote,
         "statement": claim.statement,
         "kind": claim.kind,
         "criterion": "; ".join(f"{labels[c.quantity]} {bounds(c.row)}" for c in claim.criteria),

@@ -177,6 +177,8 @@ class Claim:
         ``C`` and a number.
     where
         Section, figure or both.
+    section, quote
+        Where the article says so, and in which of its words; empty for a finding.
     statement
         What is claimed, in our words.
     kind
@@ -214,6 +216,8 @@ class Claim:
 
     id: Annotated[str, Field(pattern=CLAIM_NAME)]
     where: Name
+    section: str = ""
+    quote: str = ""
     statement: Name
     kind: Kind
     article_value: Name

@@ -18,6 +18,8 @@ from study.figures.registry import FORMATS
 from study.ledgers.claims import words
 from study.ledgers.claims.words import in_words
 from study.report.site import PAGES, code, ledgers
+from study.report.site.chains import FILE as CHAINS
+from study.report.site.chains import chains_json
 from study.report.site.claims import FILE as CLAIMS_FILE
 from study.report.site.claims import SCHEMA, claims_json, schema_json
 from study.report.site.datapackage import FILE as DATAPACKAGE
@@ -49,9 +51,7 @@ ARCHIVE = "files/figures.zip"
 # Shown at the head of the front page: the main picture, and three more.
 FIRST = ("evidence", "capture_laws", "rival_restitution", "oblique_rebounds")
 # Claims that decide most of the article's argument.
-FIRST_CLAIMS = frozenset(
-    ("C03", "C09", "C16", "C19", "C27", "C34", "C36", "C43", "C45", "C66", "C104", "C111")
-)
+FIRST_CLAIMS = frozenset(("C03", "C09", "C16", "C19", "C27", "C34", "C36", "C43", "C45", "C66"))
 
 CLAIM_COLUMNS = (
     *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
@@ -60,7 +60,7 @@ CLAIM_COLUMNS = (
 # Of a ledger of claims; those of earlier versions have none of these.
 LATER_COLUMNS = (
     *("margin", "shares", "decided_by", "independent", "code", "inputs"),
-    *("changed_inputs", "reason"),
+    *("changed_inputs", "reason", "section", "quote"),
 )
 # Tables with rows of single claims.
 PARTS_OF_CLAIMS = {"results": "results", "facts": "evidence", "amendments": "amendments"}
@@ -212,6 +212,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         pages
         | {DATAPACKAGE: datapackage(results, tables)}
         | {CLAIMS_FILE: claims_json(claims, *parts, commit), SCHEMA: schema_json()}
+        | {CHAINS: chains_json((row for row in claims if row["id"] in FIRST_CLAIMS), commit)}
         | _figure_pages(shown, common)
         | {
             f"{code.FOLDER}/{module.name}.html": render(

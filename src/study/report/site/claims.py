@@ -50,6 +50,8 @@ class Claim:
 
     id: str
     where: str  # Section, figure or equation
+    section: str
+    quote: str  # Of that section; empty for a finding of this study
     statement: str
     kind: str
     article_value: str
