@@ -140,10 +140,11 @@ class FigureSpec:
     are those of the article that the figure shows or rests on, by their numbers in the ledger.
     `tables` are those of the study that belong beside the figure, each with a sentence on what it
     holds. `finding` is the message, in one sentence, `caption` says what is drawn, `method` how it
-    was computed. The finding and `as_shipped`, the end of the method, hold for the shipped inputs
-    alone, see `filled`. Panels stand in rows of `columns`, all side by side if not given; with
-    `legend_columns`, one legend in so many columns is above them. `evidence_labels` replace words
-    of the key of evidence, as of what another paper printed.
+    was computed. The finding, and `as_shipped` and `contact` (the origin of the single contacts) at
+    the end of the method, hold for the shipped inputs alone, see `filled`. Panels stand in rows of
+    `columns`, all side by side if not given; with `legend_columns`, one legend in so many columns
+    is above them. `evidence_labels` replace words of the key of evidence, as of what another paper
+    printed.
     """
 
     name: Annotated[str, Field(pattern=FIGURE_NAME)]
@@ -158,6 +159,7 @@ class FigureSpec:
     finding: str = ""
     method: str = ""
     as_shipped: str = ""
+    contact: str = ""
     tables: dict[str, Name] = field(default_factory=dict)
     evidence_labels: dict[str, Name] = field(default_factory=dict)
     width: Literal["single", "double"] = "single"
@@ -231,7 +233,7 @@ def filled(
         As in `documents.filled`.
     changed
         By study, inputs on which it rests and that are not as shipped. If there are any, the
-        sentences ``finding`` and ``as_shipped`` are left out.
+        sentences ``finding``, ``as_shipped`` and ``contact`` are left out.
 
     Raises
     ------
@@ -255,10 +257,11 @@ def _as_it_holds(entry: Any, changed: object) -> Any:
     """Return an entry with the sentences of shipped inputs after its method, or without."""
     if not isinstance(entry, Mapping):
         return entry
+    shipped = dict.fromkeys(("as_shipped", "contact"), "")
     if changed:
-        return {**entry, "finding": "", "as_shipped": ""}
-    method = f"{entry.get('method', '')} {entry.get('as_shipped', '')}".strip()
-    return {**entry, "method": method, "as_shipped": ""}
+        return {**entry, "finding": "", **shipped}
+    sentences = (entry.get(key, "") for key in ("method", *shipped))
+    return {**entry, "method": " ".join(filter(None, sentences)), **shipped}
 
 
 def _order(name: object) -> tuple[int, str]:

@@ -49,9 +49,12 @@ def test_words_of_another_pair_leave_none_of_the_old(name):
 
 def test_what_only_holds_as_shipped_goes_with_the_inputs():
     words = {"finding": "They meet at [[a]].", "method": "By fits.", "as_shipped": "Twice [[a]]."}
-    entry = {"f": {"study": "s", "caption": "Curves.", **words}}
+    entry = {"f": {"study": "s", "caption": "Curves.", "contact": "By hand.", **words}}
     shipped = filled(entry, {"s": {"a": 1}})["f"]
-    assert (shipped["finding"], shipped["method"]) == ("They meet at 1.", "By fits. Twice 1.")
+    assert (shipped["finding"], shipped["method"]) == (
+        "They meet at 1.",
+        "By fits. Twice 1. By hand.",
+    )
     changed = filled(entry, {"s": {}}, {}, {"s": "a"})["f"]
     assert (changed["finding"], changed["method"]) == ("", "By fits.")
 
