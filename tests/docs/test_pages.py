@@ -12,7 +12,7 @@ from tests.shared import settings_as_shipped
 
 from study.ledgers.claims.criteria import read_claims
 from study.ledgers.claims.words import bounds
-from study.report.documents import LEDGERS, SUFFIX, Numbers, PageError, outdated, pages, renew
+from study.report.documents import LEDGERS, SUFFIX, PageError, outdated, pages, renew
 
 FULL = ROOT / "tests/reference/full"
 CRITERIA = ROOT / "config/claims.yaml"
@@ -76,7 +76,6 @@ def test_a_changed_number_changes_the_page_and_the_kept_table(docs, run, tmp_pat
     [
         ('table("sises")("speed")', "sises.csv: no such table"),
         ('table("sizes")("sped")', "sizes: no column 'sped' (did you mean 'speed'?)"),
-        ('table("sizes")("speed", case="c")', "sizes.speed: no number at {'case': 'c'}"),
         ('table("sizes")("speed")', "sizes.speed: 2 numbers at {}, not one"),
         ("nothing", "'nothing' is undefined"),
     ],
@@ -86,14 +85,6 @@ def test_a_number_that_is_not_there_is_named(docs, run, asked, message):
     with pytest.raises(PageError) as error:
         pages(run, docs, CRITERIA)
     assert message in str(error.value)
-
-
-def test_rows_are_chosen_by_words_numbers_and_ranges():
-    rows = pd.DataFrame({"case": list("aab"), "angle": [10.0, 20.0, 30.0], "e": [1.0, None, 3.0]})
-    table = Numbers("t", rows)
-    assert table("e", angle=10) == 1.0
-    assert table.all("e", angle=(5, 30)) == [1.0, 3.0]
-    assert table("e", case="a") == 1.0
 
 
 def test_a_run_of_other_settings_is_refused(docs, run, tmp_path):

@@ -7,7 +7,6 @@ import runpy
 
 import pandas as pd
 import pytest
-from PIL import Image
 from tests.docs.blocks import PAGES, ROOT
 
 from study.ledgers.claims.criteria import read_claims
@@ -55,15 +54,6 @@ def test_the_three_answers_have_the_numbers_of_their_pages():
     ] == []
 
 
-def test_there_are_some_findings():
-    assert len(FINDINGS) >= 6
-    assert {CLAIMS.loc[name, "verdict"] for name, _, _ in FINDINGS} >= {
-        "reproduced",
-        "not reproduced",
-        "not identified",
-    }
-
-
 @pytest.mark.parametrize(("name", "stated", "found"), FINDINGS)
 def test_a_finding_gives_verdict_and_numbers_of_its_claim(name, stated, found):
     claim = CLAIMS.loc[name]
@@ -87,18 +77,3 @@ def test_pictures_are_there_and_small():
     pages = "".join((ROOT / page).read_text(encoding="utf-8") for page in PAGES)
     unused = [path.name for path in (ROOT / "docs/images").iterdir() if path.stem not in pages]
     assert not unused
-
-
-def test_pictures_are_copied_and_shrunk(tmp_path):
-    names = [*GALLERY["shown"](README), "fig25"]
-    (tmp_path / "docs").mkdir()
-    (tmp_path / "README.md").write_text(README)
-    (tmp_path / "docs/page.md").write_text("![Of a page](images/fig25.png)")
-    (tmp_path / "figures").mkdir()
-    for name in names:
-        Image.effect_noise((2000, 1000), 50).save(tmp_path / f"figures/{name}.png")
-    assert GALLERY["main"](tmp_path, tmp_path / "docs") == 0
-    assert len(names) >= 4
-    for name in names:
-        with Image.open(tmp_path / f"docs/images/{name}.png") as picture:
-            assert picture.size == (GALLERY["WIDTH"], GALLERY["WIDTH"] // 2)

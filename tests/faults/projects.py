@@ -28,18 +28,18 @@ class Project:
     python: tuple[str, ...] = (sys.executable,)
     environment: dict[str, str] = field(default_factory=dict)
 
-    def command(self, *arguments, cores=1, also=()):
+    def command(self, *arguments, cores=1):
         overlay = self.root / "place.yaml"
         overlay.write_text(f"pathvars: {{results: {self.out!r}}}\n", encoding="utf-8")
-        configuration = ("--configfile", "config/ci.yaml", overlay.name, *also)
+        configuration = ("--configfile", "config/ci.yaml", overlay.name)
         program = (*self.python, "-m", "snakemake", "--cores", str(cores))
         return [*program, *arguments, *configuration]
 
-    def start(self, *arguments, prefix=(), **how):
+    def start(self, *arguments, **how):
         """Start Snakemake as the head of a process group of its own."""
         inherited = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "MICRO"))}
         return subprocess.Popen(
-            [*prefix, *self.command(*arguments, **how)],
+            self.command(*arguments, **how),
             cwd=self.root,
             env=inherited | self.environment,
             stdin=subprocess.DEVNULL,
@@ -51,28 +51,24 @@ class Project:
         )
 
     def run(self, *arguments, check=True, timeout=120, **how):
-        """Run Snakemake to its end and return what it said."""
-        return finished(self.start(*arguments, **how), check=check, timeout=timeout)
+        """Run Snakemake to its end and return its words; whatever it started ends with it."""
+        process = self.start(*arguments, **how)
+        try:
+            text, _ = process.communicate(timeout=timeout)
+        finally:
+            kill(process)
+        assert bool(process.returncode) != check, text
+        return text
 
-    def results(self, *folders):
+    def results(self):
         """Return the bytes of each result that a reader would see, by its name."""
         top = self.root / self.out
         return {
             path.relative_to(top).as_posix(): path.read_bytes()
-            for folder in folders or ("data", "tables", "figures")
+            for folder in ("data", "tables", "figures")
             for path in sorted((top / folder).rglob("*"))
             if path.is_file() and not path.name.startswith(".")
         }
-
-
-def finished(process, *, check=True, timeout=120):
-    """Wait for a run; return what it said. Whatever it started ends with the wait."""
-    try:
-        text, _ = process.communicate(timeout=timeout)
-    finally:
-        kill(process)
-    assert bool(process.returncode) != check, text
-    return text
 
 
 def kill(process):

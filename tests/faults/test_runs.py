@@ -1,4 +1,4 @@
-"""Runs: killed, damaged or out of room, they are resumed to the same bytes.
+"""Runs: killed or damaged, they are resumed to the same bytes.
 
 The undisturbed run is on one core, another on two, in another zone and language, with another seed
 of Python's hashes and a path with letters beyond ASCII. All load the same compiled code: where it
@@ -16,7 +16,7 @@ from subprocess import TimeoutExpired
 
 import numpy as np
 import pytest
-from tests.faults.projects import TARGETS, copied, finished, kill
+from tests.faults.projects import TARGETS, copied, kill
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
@@ -97,16 +97,5 @@ def test_a_damaged_table_stops_its_readers_until_it_is_gone(undisturbed, elsewhe
     message = elsewhere.run("fig17", check=False)
     assert f"coulomb_friction_figures: {table}: not as it was written: cut short" in message
     table.unlink()
-    elsewhere.run(*TARGETS)
-    assert elsewhere.results() == undisturbed
-
-
-def test_what_finds_no_room_is_named_and_with_room_the_run_is_finished(undisturbed, elsewhere):
-    """No file may be above 500 kB, as that of the pixels is."""
-    limited = ("bash", "-c", 'ulimit -f 500; exec "$@"', "bash")
-    message = finished(elsewhere.start("track_imaging", prefix=limited), check=False)
-    assert "cannot be written: File too large: " in message
-    assert "data/ptis_pixels.csv" in message
-    assert not elsewhere.results("data", "figures")
     elsewhere.run(*TARGETS)
     assert elsewhere.results() == undisturbed

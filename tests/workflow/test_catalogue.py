@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 import yaml
 from tests.shared import ROOT
@@ -56,10 +54,3 @@ def test_the_report_has_every_figure_with_its_caption(project, tmp_path):
             f"<strong>{figure}: {' '.join(each.split(' [[')[0].split()[:3])}" for each in words
         )
         assert any(each in report for each in shown), figure
-
-
-def test_the_engine_misses_nothing_but_an_environment_of_its_own(project):
-    """The environment is locked in requirements/; make installs it, not the engine."""
-    text = project.snakemake("--lint", check=False).text
-    lints = set(re.findall(r"^ +\* (.*):$", text, flags=re.MULTILINE))
-    assert lints == {"Specify a conda environment or container for each rule."}

@@ -6,7 +6,6 @@ import re
 import shutil
 
 import pytest
-from tests.shared import ROOT, execute
 from tests.workflow.conftest import SMALL, Project, swap
 
 OUT = "build/ci"
@@ -46,12 +45,6 @@ def stiffer_molybdenum(text):
     after, n = re.subn(r"^(molybdenum,youngs_modulus,)(\d+)", raised, text, flags=re.MULTILINE)
     assert n == 1
     return after
-
-
-def test_the_rule_rests_on_everything(checked):
-    assert {"oblique_impact_figures", "check"} <= checked.planned(
-        "check", *SMALL, "--forcerun", "oblique_impact_figures"
-    )
 
 
 def test_the_rule_passes_and_fails_with_the_check(checked):
@@ -105,13 +98,3 @@ def test_each_small_change_is_seen_in_its_figures_and_tables_alone(checked):
     # Few pairs may make the same rates by chance.
     others = {"pairing_controls", "pairing_losses", "slow_rebounds", "surface_correction"}
     assert moved <= tables <= moved | others
-
-
-def test_make_offers_check_and_reference():
-    for arguments, expected in (
-        (["check", "RESULTS=build/x"], "commands check build/x\n"),
-        (["reference", "RESULTS=build/x"], "commands reference build/x"),
-        (["check"], "rm -rf build/ci\n"),
-    ):
-        done = execute("make", "--dry-run", *arguments, cwd=ROOT)
-        assert expected in done.stdout

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 from tests.shared import ROOT
-from workflow.scripts.closure import closure, digest_of_files, imports_of, source_files
+from workflow.scripts.closure import closure, digest_of_files, source_files
 
 SCRIPTS = ROOT / "workflow/scripts"
 
@@ -35,21 +34,6 @@ def test_data_files_and_scripts_belong_to_a_figure():
     assert "estimation.py" not in found
 
 
-def test_scripts_are_read_for_imports(tmp_path):
-    script = tmp_path / "script.py"
-    script.write_text(
-        "import numpy\n"
-        "def late():\n"
-        "    from microimpact.model.empirical import equations\n"
-        "    import study.tables as t\n"
-    )
-    assert imports_of(script) == [
-        "microimpact.model.empirical",
-        "microimpact.model.empirical.equations",
-        "study.tables",
-    ]
-
-
 def test_a_digest_is_of_contents_and_names_in_any_order(tmp_path):
     def digest_of(folder, texts):
         (tmp_path / folder).mkdir()
@@ -61,8 +45,3 @@ def test_a_digest_is_of_contents_and_names_in_any_order(tmp_path):
     assert digest_of("elsewhere", {"b": "2", "a": "1"}) == first
     changes = ({"a": "1", "b": "3"}, {"a": "1", "c": "2"}, {"a": "1"}, {"a": "2", "b": "1"})
     assert len({first, *(digest_of(f"{i}", texts) for i, texts in enumerate(changes))}) == 5
-
-
-def test_an_unknown_module_is_refused():
-    with pytest.raises(ModuleNotFoundError, match=r"study\.studies\.nothing"):
-        closure(["study.studies.nothing"])

@@ -26,23 +26,6 @@ def dropped(project, name, rows):
         file.unlink()
 
 
-def test_without_points_there_is_a_table_without_rows(project):
-    lines = (project.root / OUT / "tables/digitised_residuals.csv").read_text().splitlines()
-    assert len(lines) == 1
-    assert lines[0].startswith("figure,panel,points,points_evidence,series,named,evidence,")
-
-
-def test_files_in_any_folder_redo_what_they_concern_alone(project, tmp_path):
-    (tmp_path / "points").mkdir()
-    rows = {"fig17": "spin: a,30,0.12,,", "fig16": '"steel-silicon, n = 0",0.5,0.5,,'}
-    for name, row in rows.items():
-        (tmp_path / f"points/{name}.csv").write_text(f"{TOP}{row}\n")
-    overlay = tmp_path / "overlay.yaml"
-    overlay.write_text(f"digitised: {tmp_path / 'points'}\n")
-    fits = {"restitution_fits", "restitution_fits_figures"}
-    assert project.planned(*TARGETS, str(overlay)) == {*fits, *CONCERNED, "declared_inputs"}
-
-
 def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
     outputs = [project.root / OUT / name for name in ("figures/fig17.svg", "figures/fig17.png")]
     before = [path.read_bytes() for path in outputs]

@@ -10,9 +10,6 @@ from tests.shared import ROOT, settings_as_shipped
 
 from study.declared.parameters import build
 from study.declared.selection import NamedTables
-from study.figures.content import content
-from study.figures.style import save, without_data
-from study.run.config import read_inputs
 from study.run.study import run_study
 from study.studies.claims import claim_numbers
 from study.studies.contacts import calibrated_contact, solved_contacts
@@ -68,11 +65,3 @@ def test_only_claims_that_rest_on_it_have_no_number(lacking, monkeypatch):
     assert problems["C01"] == {""}
     assert problems["C10"] == {WHY}
     assert set(problems.index) == {"C01", "C10"}
-
-
-def test_a_figure_without_data_says_why(tmp_path):
-    spec = read_inputs(settings_as_shipped()).figures["fig17"]
-    picture = without_data(spec, WHY)
-    save(picture, tmp_path / "a.png")
-    (words,) = content(picture, spec).query("artist == 'Text'")["text"]
-    assert " ".join(words.split()) == WHY

@@ -11,7 +11,7 @@ import yaml
 from tests.shared import ROOT, settings_as_shipped
 
 from study.declared.documents import ConfigError
-from study.ledgers.claims.criteria import BOUNDS, ClaimsError, Criterion, read_claims
+from study.ledgers.claims.criteria import ClaimsError, Criterion, read_claims
 from study.ledgers.claims.digitised import read_digitised
 
 
@@ -21,7 +21,6 @@ def holds(criterion, value):
 
 SHIPPED = ROOT / "config/claims.yaml"
 CLAIMS = read_claims(SHIPPED)
-FIGURE = re.compile(r"fig(0[1-9]|1[0-9]|2[0-5])|[a-z]+(_[a-z]+)*")
 REMOVED = object()
 
 GOOD = {
@@ -48,8 +47,7 @@ def with_criterion(**keys):
     return changed(criteria=[GOOD["criteria"][0] | keys])
 
 
-def amended(**keys):
-    return changed(amendments=[{"part": "break", "was": "a", "now": "b", "reason": "c"} | keys])
+AMENDED = {"part": "break", "was": "a", "now": "b", "reason": "c"}
 
 
 def read(tmp_path, claims):
@@ -79,8 +77,6 @@ def test_a_changed_value_changes_the_reasons_that_tell_it():
         assert "[[" not in here[name].reason
     labels = (of["C16"].labels["captured_share"] for of in (here, there))
     assert list(labels) == ["captured share below 0.2 m/s", "captured share below 0.4 m/s"]
-    assert "restitution 0.70, sliding with friction 0.15" in here["C45"].reason
-    assert "at 0.25, 0.45, 0.75 and 1.66 m/s" in here["C101"].reason
     with pytest.raises(ConfigError, match=r"C04\.\S+: no parameter 'speed_m_per_s'"):
         read_claims(SHIPPED, branch | {"C04": {}})
 
@@ -104,24 +100,13 @@ def doubled(node):
 def test_every_row_is_there_once():
     # YAML keeps the last of two equal keys without a word
     written = re.findall(r"(?m)^(C\d+):", SHIPPED.read_text(encoding="utf-8"))
-    assert written == list(CLAIMS)
-    assert set(CLAIMS) >= {f"C{number:02d}" for number in range(1, 101)}
-    assert list(CLAIMS) == [f"C{number:02d}" for number in range(1, len(CLAIMS) + 1)]
+    assert written == list(CLAIMS) == [f"C{number:02d}" for number in range(1, 112)]
 
 
-@pytest.mark.parametrize("claim", CLAIMS.values(), ids=CLAIMS)
-def test_a_claim_fits_together(claim):
-    judged = {criterion.quantity for criterion in (*claim.criteria, *claim.identified_if)}
-    assert judged <= set(claim.quantities)
-    assert all(FIGURE.fullmatch(name) for name in claim.figures)
-    if claim.testable:
-        assert claim.break_ is not None
-        assert claim.break_.expect in claim.verdicts
-        assert claim.verdicts[:2] == (claim.if_met, "not reproduced")
-        assert ("not identified" in claim.verdicts) == bool(claim.cases or claim.identified_if)
-        assert claim.criteria
-    else:
-        assert claim.verdicts == ("not testable",)
+def test_every_claim_of_the_article_quotes_a_few_of_its_words():
+    for claim in CLAIMS.values():
+        assert bool(claim.quote) == bool(claim.section) == (claim.kind != "finding"), claim.id
+        assert len(claim.quote.split()) <= 15
 
 
 def test_only_the_rows_named_beforehand_are_identities():
@@ -154,30 +139,17 @@ def test_a_misprinted_equation_is_named_where_it_decides():
 @pytest.mark.parametrize(
     ("bounds", "accepted", "refused"),
     [
-        (
-            {"test": "within", "value": 0.70, "tolerance": 0.005},
-            [0.695, 0.70, 0.705],
-            [0.6949999, 0.7050001],
-        ),
-        ({"test": "within", "value": -1.0, "tolerance": 0.0}, [-1.0], [-1.0000001, -0.9999999]),
-        ({"test": "at_least", "value": 0.1}, [0.1, 0.1000001, 1e9], [0.0999999, -1e9]),
-        ({"test": "at_most", "value": -0.001}, [-0.001, -1e9], [-0.0009999, 0.0, 1e9]),
-        (
-            {"test": "between", "low": 0.18, "high": 0.33},
-            [0.18, 0.25, 0.33],
-            [0.1799999, 0.3300001],
-        ),
-        (
-            {"test": "outside", "low": 0.25, "high": 0.5},
-            [0.25, 0.5, 0.0, 9.0],
-            [0.2500001, 0.4, 0.4999999],
-        ),
+        ({"test": "within", "value": 0.70, "tolerance": 0.005}, [0.695, 0.705], [0.694999, 0.7051]),
+        ({"test": "at_least", "value": 0.1}, [0.1, 1e9], [0.0999999, -1e9]),
+        ({"test": "at_most", "value": -0.001}, [-0.001, -1e9], [-0.0009999, 1e9]),
+        ({"test": "between", "low": 0.18, "high": 0.33}, [0.18, 0.33], [0.1799999, 0.3300001]),
+        ({"test": "outside", "low": 0.25, "high": 0.5}, [0.25, 0.5, 9.0], [0.2500001, 0.4999999]),
     ],
 )
 def test_boundaries_are_sharp_and_belong_to_the_accepted_side(bounds, accepted, refused):
     criterion = Criterion(quantity="x", **bounds)
-    assert [holds(criterion, value) for value in accepted] == [True] * len(accepted)
-    assert [holds(criterion, value) for value in refused] == [False] * len(refused)
+    assert all(holds(criterion, value) for value in accepted)
+    assert not any(holds(criterion, value) for value in (*refused, math.nan))
 
 
 def test_boundaries_are_those_of_the_decimals_as_written():
@@ -188,23 +160,6 @@ def test_boundaries_are_those_of_the_decimals_as_written():
     assert holds(Criterion(quantity="x", test="within", value=0.3, tolerance=0.1), 0.2)
 
 
-@pytest.mark.parametrize("test", BOUNDS)
-def test_what_is_no_number_meets_no_criterion(test):
-    bounds = {"value": 1.0, "tolerance": 0.1, "low": 0.0, "high": 1.0}
-    criterion = Criterion(quantity="v", test=test, **{name: bounds[name] for name in BOUNDS[test]})
-    assert not holds(criterion, math.nan)
-
-
-def test_every_shipped_criterion_can_hold_and_can_fail():
-    for claim in CLAIMS.values():
-        for criterion in (*claim.criteria, *claim.identified_if):
-            ends = [end for end in criterion.interval if math.isfinite(end)]
-            assert ends
-            assert all(holds(criterion, end) for end in ends)
-            beyond = [ends[0] - 1.0, ends[-1] + 1.0, sum(ends) / len(ends)]
-            assert len({holds(criterion, value) for value in beyond}) == 2
-
-
 def test_a_good_file_is_read(tmp_path):
     claims = read(tmp_path, {"C10": changed(), "C02": changed(), "C100": changed()})
     assert list(claims) == ["C02", "C10", "C100"]
@@ -212,28 +167,18 @@ def test_a_good_file_is_read(tmp_path):
     assert claims["C02"].verdicts == ("reproduced", "not reproduced")
 
 
-UNTESTABLE = {"criteria": REMOVED, "quantities": REMOVED, "break": REMOVED}
-
-
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
         ("text", "C01: 'text' must be a mapping"),
         (changed(reason=REMOVED), "C01.reason: missing"),
-        (changed(resaon="x"), "C01.resaon: unknown key (did you mean 'reason'?)"),
         (changed(brek={}), "C01.brek: unknown key (did you mean 'break'?)"),
         (changed(kind="guess"), "C01.kind: 'guess' must be 'model', "),
-        (changed(where=2.4), "C01.where: 2.4 must be a valid string"),
-        (changed(statement=""), "C01.statement: '' "),
         (changed(figures=["fig26"]), "C01.figures[0]: 'fig26' "),
-        (changed(figures=["fig00"]), "C01.figures[0]: 'fig00' "),
-        (changed(figures=["Fig-04"]), "C01.figures[0]: 'Fig-04' "),
         (changed(equations=["42"]), "C01.equations[0]: '42' "),
         (changed(quantities={"restitution": "-", "Bad name": "-"}), "C01.quantities.Bad name"),
         (with_criterion(test="near"), "C01.criteria[0].test: 'near' must be 'within', "),
-        (with_criterion(value="0.7"), "C01.criteria[0].value: '0.7' must be a valid number (it"),
         (with_criterion(value=math.nan), "C01.criteria[0].value: nan must be a finite number"),
-        (with_criterion(tolerance=-0.1), "C01.criteria[0].tolerance: -0.1 must be greater than"),
         (with_criterion(tolerance=None), "C01.criteria[0]: within needs 'tolerance' (it takes "),
         (with_criterion(high=1.0), "C01.criteria[0]: within does not take 'high' (it takes "),
         (
@@ -245,24 +190,16 @@ UNTESTABLE = {"criteria": REMOVED, "quantities": REMOVED, "break": REMOVED}
             "C01: 'restituton' is not among the quantities (did you mean 'restitution'?)",
         ),
         (changed(criteria=[]), "C01.criteria: at least one is needed"),
-        (changed(if_met="right"), "C01.if_met: 'right' must be 'reproduced', "),
         (changed(if_met="not reproduced"), "C01.if_met: 'not reproduced' must be 'reproduced', "),
         (changed(testable=False), "C01: a claim that is not testable has no criteria"),
-        (changed(testable="no"), "C01.testable: 'no' must be "),
+        (changed(cases=["n = 0"]), "C01.cases: one alone is no alternative"),
+        (changed(**{"break": REMOVED}), "C01: a claim that can be reproduced needs a break"),
         (
             changed(**{"break": {"change": "x", "expect": "not identified"}}),
             "C01: break expects 'not identified', which is not among the verdicts",
         ),
-        (changed(cases=["n = 0"]), "C01.cases: one alone is no alternative"),
-        (changed(**{"break": REMOVED}), "C01: a claim that can be reproduced needs a break"),
-        (
-            changed(**{"break": {"change": "x", "expect": "calibrated"}}),
-            "C01: break expects 'calibrated', which is not among the verdicts",
-        ),
-        (changed(**{"break": {"change": "x"}}), "C01.break.expect: missing"),
-        (amended(part="where"), "C01.amendments[0].part: 'where' must be 'statement', "),
-        (amended(was="b"), "C01.amendments[0].now: 'b' must differ from 'was'"),
-        (amended(reason=""), "C01.amendments[0].reason: '' "),
+        (changed(amendments=[AMENDED | {"part": "where"}]), "C01.amendments[0].part: 'where' "),
+        (changed(amendments=[AMENDED | {"was": "b"}]), "C01.amendments[0].now: 'b' must differ"),
     ],
 )
 def test_a_bad_entry_gives_one_clear_line(tmp_path, entry, message):
@@ -272,12 +209,7 @@ def test_a_bad_entry_gives_one_clear_line(tmp_path, entry, message):
     assert "\n" not in str(caught.value)
 
 
-def test_a_claim_that_is_not_testable_needs_no_numbers(tmp_path):
-    claims = read(tmp_path, {"C90": changed(testable=False, **UNTESTABLE)})
-    assert claims["C90"].verdicts == ("not testable",)
-
-
-@pytest.mark.parametrize("key", ["C5", "c05", "C1000", "D01", "C05b"])
+@pytest.mark.parametrize("key", ["C5", "c05", "C1000"])
 def test_a_key_that_is_no_claim_is_refused(tmp_path, key):
     with pytest.raises(ClaimsError, match=rf"^{key}\.id: '{key}' "):
         read(tmp_path, {key: changed()})
@@ -316,11 +248,3 @@ def test_the_bounds_of_digitised_points_are_checked(tmp_path):
         path.write_text(yaml.safe_dump({"digitised": good | {key: value}}), encoding="utf-8")
         with pytest.raises(ClaimsError, match=message):
             read_digitised(path)
-
-
-@pytest.mark.parametrize("text", ["- C01", "C01: [", ""])
-def test_what_is_no_mapping_is_refused(tmp_path, text):
-    path = tmp_path / "claims.yaml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"claims\.yaml.*: (must hold a mapping|not valid YAML)"):
-        read_claims(path)

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import reduce
-from importlib import import_module
 
 import numpy as np
-import pandas as pd
 import pytest
 from tests.shared import settings_as_shipped
 
-from microimpact.model.contact import Contact
-from microimpact.model.rigid_body.roughness import measured_restitution
 from study.ledgers.equations import (
     EQUATIONS,
     PROOFS,
@@ -29,7 +24,6 @@ from study.ledgers.equations.forms import (
     check_dimensions,
     evaluate,
     parse,
-    vanishes,
 )
 from study.ledgers.equations.records import At
 from study.tables import parse_table
@@ -62,10 +56,6 @@ def case(tables):
 @pytest.fixture(scope="module")
 def ledger(tables):
     return judge(tables)["equations"].set_index("equation")
-
-
-def judged(equation, case):
-    return row(equation, proof_of(equation), case)["verdict"]
 
 
 def test_every_numbered_equation_stands_once():
@@ -109,17 +99,6 @@ def test_the_printed_form_put_back_in_use_fails(equation, case):
     assert verdict(equation, found, found, None) == "unproved"
 
 
-@pytest.mark.parametrize("equation", CORRECTED, ids=ids(CORRECTED))
-def test_swapped_forms_change_the_verdict(equation, case):
-    swapped = replace(equation, printed=equation.used, used=equation.printed)
-    before = judged(equation, case)
-    assert before in {"typographical slip", "corrected"}
-    forms = (
-        check(swapped, proof_of(equation), text, case) for text in (swapped.printed, swapped.used)
-    )
-    assert verdict(swapped, *forms, None) not in {before, "correct"}
-
-
 @pytest.mark.parametrize("equation", PROVED, ids=ids(PROVED))
 def test_every_proof_refuses_another_right_side(equation, case):
     left, relation, right = sides(equation.form_used)
@@ -137,13 +116,6 @@ def test_a_factor_with_a_dimension_is_caught(equation):
     check_dimensions(equation.form_used, equation.units)
     with pytest.raises(DimensionError, match="does not have the dimension"):
         check_dimensions(f"{left}{relation}length*({right})", {**equation.units, "length": "m"})
-
-
-@pytest.mark.parametrize("path", sorted({e.function for e in EQUATIONS.values() if e.function}))
-def test_functions_exist(path):
-    parts = path.split(".")
-    holder = next(i for i, part in enumerate(parts) if part[0].isupper() or i == len(parts) - 1)
-    assert reduce(getattr, parts[holder:], import_module(".".join(parts[:holder]))) is not None
 
 
 def test_functions_compute_the_used_forms(case):
@@ -197,11 +169,6 @@ def test_known_consequences(ledger, name, value, tolerance):
     assert ledger.loc[name, "consequence_value"] == pytest.approx(value, abs=tolerance)
 
 
-def test_the_right_sign_of_eq_35():
-    steep = np.radians(10.0)
-    assert measured_restitution(steep, steep, 0.70, -0.15) == pytest.approx(2.21, abs=5e-3)
-
-
 def test_the_exponent_of_eqs_23_to_25_is_the_one_without_a_dimension():
     text = "zeta_H = c_H*(r**3*K*sqrt(Abs(v_n))/m)**({})"
     units = EQUATIONS["23"].units
@@ -209,16 +176,6 @@ def test_the_exponent_of_eqs_23_to_25_is_the_one_without_a_dimension():
     for exponent in ("5/2", "1/5", "1/2", "4/5"):
         with pytest.raises(DimensionError):
             check_dimensions(text.format(exponent), units)
-
-
-def test_the_potential_of_the_article_would_decide_eq_31(case):
-    equation, derivation = EQUATIONS["31"], PROOFS["31"].derivation
-    own = equation.printed.replace("(5/9)", "(3/5)")
-    assert own != equation.printed
-    assert derivation.check(parse(own), case) == "passed"
-    for structure in ("R**3/a_c**3", "R**2/a_c**2"):
-        other = equation.printed.replace("R**2/a_c**3", structure)
-        assert derivation.check(parse(other), case) == "failed"
 
 
 def test_exact_relations_between_the_equations(case):
@@ -236,36 +193,11 @@ def test_exact_relations_between_the_equations(case):
     assert np.ptp([evaluate(text, {"e": 4 / 7, "phi": 0.1}) for text in both]) < 1e-15
 
 
-def test_eqs_33_and_34_hold_with_the_sign_of_the_capture_velocity(case):
-    for name in ("33", "34"):
-        at = At(EQUATIONS[name], case)
-        assert agreement(EQUATIONS[name], PROOFS[name], case) < 1e-12
-        assert abs(at.printed(v_c=-at.values()["v_c"]) / at.printed() - 1.0) > 0.1
-
-
-def test_the_period_of_eq_23_as_claim_c103_has_it(ledger):
-    assert ledger.loc["23 period", "verdict"] == "corrected"
-    assert 1.0 / ledger.loc["23 period", "consequence_value"] == pytest.approx(0.3107, abs=5e-5)
-
-
 def test_errata_name_place_words_and_reason(tables):
     found = judge(tables)["errata"]
     assert (found != "").all().all()
     assert set(found["kind"]) == {"word", "citation", "label"}
     assert not found.duplicated("printed").any()
-
-
-def test_formulas_are_read_strictly():
-    with pytest.raises(ValueError, match="exactly one of"):
-        parse("V_n")
-    with pytest.raises(ValueError, match="exactly one of"):
-        parse("a = b = c")
-    with pytest.raises(DimensionError, match="z is not declared"):
-        check_dimensions("W_A = m*v_n**2/z", EQUATIONS["18"].units)
-    with pytest.raises(DimensionError, match="must be a number"):
-        check_dimensions("eta = tan(v_n)", EQUATIONS["13"].units)
-    assert vanishes(parse("(a + b)**2 = a**2 + 2*a*b + b**2").residual)
-    assert not vanishes(parse("(a + b)**2 = a**2 + b**2").residual)
 
 
 def test_other_materials_change_numbers_and_no_verdict(tables, ledger):
@@ -277,8 +209,14 @@ def test_other_materials_change_numbers_and_no_verdict(tables, ledger):
     assert other.loc["20", "consequence_value"] < 0.9 * ledger.loc["20", "consequence_value"]
 
 
-def test_the_case_is_one_pair(tables, case):
-    assert isinstance(case.contact, Contact)
-    twice = pd.concat([tables["contacts"], tables["contacts"].assign(surface="glass")])
-    with pytest.raises(ValueError, match="too many"):
-        reference_case({**tables, "contacts": twice})
+@pytest.mark.parametrize("text", ["V_n", "a = b = c"])
+def test_a_formula_is_one_relation(text):
+    with pytest.raises(ValueError, match="exactly one of"):
+        parse(text)
+
+
+def test_a_symbol_without_a_unit_is_refused():
+    with pytest.raises(DimensionError, match="z is not declared"):
+        check_dimensions("W_A = m*v_n**2/z", EQUATIONS["18"].units)
+    with pytest.raises(DimensionError, match="must be a number"):
+        check_dimensions("eta = tan(v_n)", EQUATIONS["13"].units)

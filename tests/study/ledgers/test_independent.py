@@ -32,11 +32,6 @@ TABLE = pd.DataFrame(
         (["no target"], AGREES, ["no target: yes for a"]),
         (["half is lost"], DISAGREES, ["half is lost: no for b"]),
         (["falls with size"], SPLIT, ["falls with size: yes for a; no for b"]),
-        (
-            ["no target", "half is lost"],
-            SPLIT,
-            ["no target: yes for a", "half is lost: no for b"],
-        ),
         (["never computed"], None, []),
         ([], None, []),
     ],

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-from datetime import datetime
 from urllib.parse import unquote
 
 import pytest
 from rocrate.rocrate import ROCrate
 from tests.shared import ROOT, execute
-from tests.study.report.results_roots import results, run, write
+from tests.study.report.results_roots import results, write
 
 from study.report.check.results import ResultsError
 from study.report.crate import declared_inputs, write_crate
@@ -87,20 +86,11 @@ def action(entities):
     return entity
 
 
-def test_ro_crate_the_descriptor_names_the_root_the_version_and_the_profiles(entities):
-    descriptor = entities["ro-crate-metadata.json"]
-    assert descriptor["about"] == {"@id": "./"}
-    assert {RO_CRATE, WORKFLOW} <= set(ids(descriptor["conformsTo"]))
+def test_the_crate_names_its_profiles_and_is_read_back(root, entities):
     assert set(ids(entities["./"]["conformsTo"])) == PROFILES
-    assert {entities[uri]["version"] for uri in PROFILES} == {"0.5", "1.0"}
-
-
-def test_ro_crate_the_root_is_described_dated_and_licensed(entities):
-    root = entities["./"]
-    assert root["name"]
-    assert root["description"]
-    assert datetime.fromisoformat(root["datePublished"]) == datetime.fromisoformat(DATE)
-    assert entities[root["license"]["@id"]]["name"] == "MIT License"
+    assert entities[entities["./"]["license"]["@id"]]["name"] == "MIT License"
+    crate = ROCrate(root)
+    assert (crate.version, crate.mainEntity.lang.name) == ("1.1", "Snakemake")
 
 
 def test_ro_crate_ids_are_unique_and_every_reference_leads_to_an_entity(made, entities):
@@ -116,17 +106,12 @@ def test_ro_crate_ids_are_unique_and_every_reference_leads_to_an_entity(made, en
 def test_ro_crate_every_file_is_there_and_part_of_the_root(root, entities):
     files = {name for name, entity in entities.items() if "File" in entity["@type"]}
     assert files == set(ids(entities["./"]["hasPart"]))
-    for name in files:
-        assert (root / unquote(name)).is_file(), name
-        assert re.fullmatch(r"[a-z]+/[a-z0-9.+-]+", entities[name]["encodingFormat"])
+    assert all((root / unquote(name)).is_file() for name in files)
 
 
 def test_workflow_crate_the_main_entity_is_the_snakefile_with_its_parts_and_software(entities):
     main = entities[entities["./"]["mainEntity"]["@id"]]
     assert main["@id"] == "crate/Snakefile"
-    assert set(main["@type"]) == {"File", "SoftwareSourceCode", "ComputationalWorkflow"}
-    language = entities[main["programmingLanguage"]["@id"]]
-    assert (language["name"], language["version"]) == ("Snakemake", "9.27.1")
     parts = {"crate/workflow/rules/a.smk", "crate/workflow/scripts/run_study.py"}
     assert set(ids(main["hasPart"])) == parts
     software = [entities[name] for name in ids(main["softwareRequirements"])]
@@ -147,10 +132,7 @@ def test_run_crate_the_run_leads_from_declared_inputs_to_all_results(root, entit
         for path in (root / folder).iterdir()
     }
     assert set(ids(action["result"])) == there
-    for name in ("run.json", "logs/fig14.log", "benchmarks/fig14.tsv"):
-        assert entities[name]["about"] == {"@id": action["@id"]}
     assert (action["startTime"], action["endTime"]) == (STAMP["started"], DATE)
-    assert "agent" not in action
 
 
 def test_every_claim_has_a_review_with_its_verdict(entities):
@@ -159,12 +141,6 @@ def test_every_claim_has_a_review_with_its_verdict(entities):
     assert entities[review["reviewRating"]["@id"]]["alternateName"] == "not reproduced"
     assert review["isBasedOn"]["@id"] in entities
     assert {"#C01", "#C02"} <= set(ids(entities["./"]["mentions"]))
-
-
-def test_the_library_reads_the_crate_back(root):
-    crate = ROCrate(root)
-    assert crate.mainEntity.lang.name == "Snakemake"
-    assert crate.version == "1.1"
 
 
 def test_the_same_run_gives_the_same_bytes_and_no_leftovers(tmp_path):
@@ -190,12 +166,8 @@ def test_results_of_another_commit_are_refused(tmp_path):
     ("change", "words"),
     [
         ({"ended": "today"}, "ended: 'today' must be a valid datetime"),
-        ({"ended": "2026-01-02T03:04:05"}, "must have timezone"),
         ({"ended": None}, "the run has not ended well"),
         ({"outdated": ["data/fig14.csv"]}, "from other inputs: data/fig14.csv;"),
-        ({"git": "abc"}, "git: 'abc' must be a mapping"),
-        ({"packages": []}, "packages: [] must be a mapping"),
-        ({"config": {"materials": "config/none.csv"}}, "materials: 'config/none.csv' must be"),
         ({"config": {"materials": "/etc/hostname"}}, "materials: '/etc/hostname' must be"),
     ],
 )
@@ -206,23 +178,6 @@ def test_a_malformed_stamp_is_refused(tmp_path, change, words):
         write_crate(root, project)
     assert not (root / "crate").exists()
     assert not (root / "ro-crate-metadata.json").exists()
-
-
-def test_the_command_writes_a_crate_or_says_in_one_line_why_not(tmp_path):
-    project = write(tmp_path / "project", PROJECT)
-    root = finished(tmp_path / "results")
-    code, out, _ = run("crate", root, "--project", project)
-    assert (code, out) == (0, f"Crate: {root / 'ro-crate-metadata.json'}\n")
-    (root / "run.json").unlink()
-    for folder, owner, words in (
-        (root, project, "run.json: missing"),
-        (tmp_path / "nowhere", project, "no such folder"),
-        (finished(tmp_path / "b"), tmp_path, "not the project: it has no Snakefile"),
-    ):
-        code, out, err = run("crate", folder, "--project", owner)
-        assert (code, out) == (2, "")
-        assert words in err
-        assert err.count("\n") == 1
 
 
 def test_the_declared_inputs_of_the_project_are_complete():
