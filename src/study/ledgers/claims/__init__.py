@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 COLUMNS = (
-    *("id", "where", "section", "quote", "statement", "kind", "criterion", "article_value"),
+    *("id", "where", "quote", "statement", "kind", "criterion", "article_value"),
     *("computed_value", "unit", "verdict", "margin", "shares", "decided_by", "independent"),
     *("evidence", "figures", "code", "inputs", "changed_inputs", "reason", "note"),
 )
@@ -179,7 +179,6 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
     row = {
         "id": claim.id,
         "where": claim.where,
-        "section": claim.section,
         "quote": claim.quote,
         "statement": claim.statement,
         "kind": claim.kind,

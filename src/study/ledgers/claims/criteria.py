@@ -139,7 +139,7 @@ class Break:
     """One changed input or misprinted equation, and the verdict that must then come out."""
 
     change: Name  # In words
-    expect: Verdict
+    expect: Verdict = "not reproduced"
     # The change as data, if it is one: an overlay of the configuration, and factors on properties
     # of all contacts, or another basis of their friction. A wrong form of the code is tried by a
     # test alone.
@@ -175,10 +175,9 @@ class Claim:
     ----------
     id
         ``C`` and a number.
-    where
-        Section, figure or both.
-    section, quote
-        Where the article says so, and in which of its words; empty for a finding.
+    where, quote
+        Sections and figures, first the one of the quote; and a few words of the article, none for
+        a finding.
     statement
         What is claimed, in our words.
     kind
@@ -216,10 +215,9 @@ class Claim:
 
     id: Annotated[str, Field(pattern=CLAIM_NAME)]
     where: Name
-    section: str = ""
     quote: str = ""
     statement: Name
-    kind: Kind
+    kind: Kind = "model"
     article_value: Name
     unit: Name = "-"
     quantities: dict[QuantityName, Name | Quantity] = field(default_factory=dict)

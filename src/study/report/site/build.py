@@ -60,7 +60,7 @@ CLAIM_COLUMNS = (
 # Of a ledger of claims; those of earlier versions have none of these.
 LATER_COLUMNS = (
     *("margin", "shares", "decided_by", "independent", "code", "inputs"),
-    *("changed_inputs", "reason", "section", "quote"),
+    *("changed_inputs", "reason", "quote"),
 )
 # Tables with rows of single claims.
 PARTS_OF_CLAIMS = {"results": "results", "facts": "evidence", "amendments": "amendments"}

@@ -61,7 +61,7 @@ def _chain(row: Row, commit: str | None) -> list[dict[str, Any]]:
     code = f"{row['code']} at commit {commit}" if commit else row["code"]
     steps: dict[str, dict[str, Any]] = {
         quoted: ARTICLE
-        | {"cito:hasQuotedText": row["quote"], "rdfs:comment": f"Section {row['section']}"},
+        | {"cito:hasQuotedText": row["quote"], "rdfs:comment": f"Section {row['where']}"},
         aida: {
             "@id": sentence,
             "@type": "hycl:AIDA-Sentence",

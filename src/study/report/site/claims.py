@@ -49,9 +49,8 @@ class Claim:
     """A statement of the article in our words, its place there, and the verdict on it."""
 
     id: str
-    where: str  # Section, figure or equation
-    section: str
-    quote: str  # Of that section; empty for a finding of this study
+    where: str  # Sections and figures, first the one of the quote
+    quote: str  # Empty for a finding of this study
     statement: str
     kind: str
     article_value: str
