@@ -14,14 +14,13 @@ from study.report.documents import LEDGERS, deviations
 
 REFERENCE = ROOT / "tests/reference/full"
 CRITERIA = ROOT / "config/claims.yaml"
-SETTINGS = "config/config.yaml"
 TOLD = {"not reproduced", "not identified", "reproduced with a correction", "undecided"}
 TOLD |= {"not testable", "not computed"}
 
 
 @pytest.fixture(scope="module")
 def made():
-    return deviations(REFERENCE, CRITERIA, SETTINGS)
+    return deviations(REFERENCE, CRITERIA)
 
 
 @pytest.fixture
@@ -64,7 +63,7 @@ def test_every_statement_not_reproduced_shows_a_number_that_fails(made):
 def test_tables_of_other_claims_are_refused(run):
     edit(run, "claims.csv", lambda table: table[table["id"] != "C09"])
     with pytest.raises(ValueError, match="do not hold the same claims: C09 in one of them"):
-        deviations(run, CRITERIA, "x")
+        deviations(run, CRITERIA)
 
 
 @pytest.mark.parametrize(

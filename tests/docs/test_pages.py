@@ -12,7 +12,7 @@ from tests.shared import settings_as_shipped
 
 from study.ledgers.claims.criteria import read_claims
 from study.ledgers.claims.words import bounds
-from study.report.documents import LEDGERS, SUFFIX, PageError, outdated, pages, renew
+from study.report.documents import LEDGERS, SUFFIX, PageError, pages, renew
 
 FULL = ROOT / "tests/reference/full"
 CRITERIA = ROOT / "config/claims.yaml"
@@ -63,9 +63,8 @@ def test_a_changed_number_changes_the_page_and_the_kept_table(docs, run, tmp_pat
     renew(kept, docs, CRITERIA, kept)
     page = docs / "sizes.md"
     assert page.read_text(encoding="utf-8").endswith("−0.46 of 25 %\n")
-    assert outdated(kept, docs, CRITERIA) == []
+    assert renew(kept, docs, CRITERIA, kept) == []
     pd.DataFrame({"case": ["a"], "speed": [0.5]}).to_csv(kept / "tables/sizes.csv")
-    assert outdated(kept, docs, CRITERIA) == ["sizes.md"]
     assert renew(kept, docs, CRITERIA, kept) == [page]
     assert page.read_text(encoding="utf-8").endswith("0.50 of 25 %\n")
     assert {path.stem for path in (kept / "tables").iterdir()} == {*LEDGERS, "sizes"}

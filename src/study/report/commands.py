@@ -146,51 +146,21 @@ def report_command(results: Path) -> None:
     click.echo(f"{len(pages)} pages: {pages[0]}")
 
 
-@click.command("deviations")
-@click.argument("results", type=_folder)
-@click.option("--claims", type=_folder, help="File of claims; default: the declared one.")
-@click.option(
-    "--settings", default="config/config.yaml", show_default=True, help="Named at the top."
-)
-@click.option("--output", type=_folder, help="Write the page here instead of printing it.")
-def deviations_command(
-    results: Path, claims: Path | None, settings: str, output: Path | None
-) -> None:
-    """Print the deviations of RESULTS from the article as Markdown."""
-    from microimpact.core.files import write_file
-    from microimpact.core.materials import declared_file
-    from study.report.check.results import require_results
-    from study.report.documents import deviations
-
-    require_results(results, "tables/claims.csv", "tables/equations.csv")
-    page = deviations(results, claims or declared_file("claims.yaml"), settings)
-    if output:
-        write_file(output, page)
-    else:
-        click.echo(page, nl=False)
-
-
 @click.command("pages")
 @click.argument("results", type=_folder, default=FULL)
 @click.option("--docs", type=_folder, default=Path("docs"), show_default=True, help="Of the pages.")
 @click.option(
     "--tables", type=_folder, default=FULL, show_default=True, help="Where tables are kept."
 )
-@click.option("--check", is_flag=True, help="Write nothing; end with 1 if a page would change.")
-def pages_command(results: Path, docs: Path, tables: Path, check: bool) -> None:
+def pages_command(results: Path, docs: Path, tables: Path) -> None:
     """Write the pages of the documentation whose numbers come from RESULTS, a full run.
 
     Without RESULTS, the pages are written again from the tables that are kept.
     """
     from microimpact.core.materials import declared_file
-    from study.report.documents import outdated, renew
+    from study.report.documents import renew
 
-    criteria = declared_file("claims.yaml")
-    if check:
-        names = outdated(results, docs, criteria)
-        click.echo("\n".join(f"{docs / name}: would change" for name in names) or "no page changes")
-        raise SystemExit(bool(names))
-    changed = renew(results, docs, criteria, tables)
+    changed = renew(results, docs, declared_file("claims.yaml"), tables)
     click.echo("\n".join(map(str, changed)) or "no page changes")
 
 
@@ -201,7 +171,7 @@ def commands() -> None:
 
 for _command in (
     *(check_command, reference_command, compare_command, claim_command, crate_command),
-    *(report_command, deviations_command, pages_command),
+    *(report_command, pages_command),
 ):
     commands.add_command(_command)
 

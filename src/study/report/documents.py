@@ -26,7 +26,6 @@ from study.report.site.ledgers import by_claim, read_rows
 from study.report.site.pages import render
 from study.report.site.record import read_record
 
-SETTINGS = "config/config.yaml"
 DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
 # Tables of the page of deviations and of the counts in the README.
 LEDGERS = ("claims", "equations", "claim_evidence", "claim_results")
@@ -131,7 +130,7 @@ def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tu
     environment = _ENVIRONMENT.overlay()
     environment.globals = {**_ENVIRONMENT.globals, "table": table}
     texts = {
-        DEVIATIONS: deviations(results, criteria, SETTINGS),
+        DEVIATIONS: deviations(results, criteria),
         CODECHECK: codecheck(load("config/figures.yaml")),
     }
     for template in sorted(docs.glob(f"*{SUFFIX}")):
@@ -167,7 +166,7 @@ def codecheck(figures: Mapping[str, Any]) -> str:
     return yaml.safe_dump(about, sort_keys=False, allow_unicode=True, width=100)
 
 
-def deviations(results: Path, criteria: Path, settings: str) -> str:
+def deviations(results: Path, criteria: Path) -> str:
     """Return the page of corrections, failed reproductions and changes, in Markdown.
 
     Parameters
@@ -176,8 +175,6 @@ def deviations(results: Path, criteria: Path, settings: str) -> str:
         Folder with the tables `LEDGERS`.
     criteria
         The file of claims, see `read_claims`.
-    settings
-        The file of the run's settings, to be named at the top.
 
     Raises
     ------
@@ -201,7 +198,6 @@ def deviations(results: Path, criteria: Path, settings: str) -> str:
     page = render(
         f"{DEVIATIONS}{SUFFIX}",
         templates=Path(__file__).parent,
-        settings=settings,
         equation_counts=equations["verdict"].value_counts().to_dict(),
         claim_counts=verdict_counts(claims),
         equations=equations.to_dict("records"),
@@ -251,13 +247,3 @@ def _require_full(results: Path, kept: Path) -> None:
             f"{results}: {len(changes)} keys of its configuration differ from the shipped one"
             f" ({keys}, ...); the pages take their numbers from a run of `make reproduce`"
         )
-
-
-def outdated(results: Path, docs: Path, criteria: Path) -> list[str]:
-    """Return the names of the pages that a run would change."""
-    texts: Mapping[str, str] = pages(results, docs, criteria)[0]
-    return [
-        name
-        for name, text in texts.items()
-        if not (docs / name).is_file() or (docs / name).read_text(encoding="utf-8") != text
-    ]

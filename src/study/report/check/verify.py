@@ -65,28 +65,6 @@ class Tolerances:
             (rule for rule in rules if fnmatchcase(column, rule.column)), self.default
         )
 
-    def require_use(self, columns: Mapping[str, Iterable[str]], name: str) -> None:
-        """Refuse a tolerance that fits no column of any table: it has outlived its reason.
-
-        Parameters
-        ----------
-        columns
-            Columns of all tables, references and results.
-        name
-            Of the file of tolerances.
-
-        Raises
-        ------
-        ResultsError
-            Naming the tolerance.
-        """
-        for i, rule in enumerate(self.columns):
-            tables = [c for file, c in columns.items() if fnmatchcase(file, rule.file)]
-            if not any(fnmatchcase(column, rule.column) for c in tables for column in c):
-                raise ResultsError(
-                    f"{name}: columns[{i}]: no table has a column {rule.column!r} in {rule.file!r}"
-                )
-
 
 def read_tolerances(path: Path) -> Tolerances:
     """Read the file of tolerances; without one, the default counts everywhere.
@@ -136,13 +114,16 @@ def verify(results: Path, reference: Path) -> list[Difference]:
         *(Difference(file=name, kind="missing file") for name in before if name not in after),
         *(Difference(file=name, kind="extra file") for name in after if name not in before),
     ]
-    columns: dict[str, list[str]] = {}
-    for name in dict.fromkeys((*before, *after)):
-        tables = [read_cells(files[name]) for files in (before, after) if name in files]
-        if name in before and name in after:
-            differences += compare_tables(name, tables[0], tables[1], tolerances.of(name))
-        columns[name] = [column for table in tables for column in table.columns]
-    tolerances.require_use(columns, str(reference / FILE))
+    seen: set[tuple[str, str]] = set()
+    for name in before:
+        table = read_cells(before[name])
+        seen |= {(name, str(column)) for column in table}
+        if name in after:
+            differences += compare_tables(name, table, read_cells(after[name]), tolerances.of(name))
+    for rule in tolerances.columns:  # one that fits nothing has outlived its reason
+        if not any(fnmatchcase(n, rule.file) and fnmatchcase(c, rule.column) for n, c in seen):
+            column = f"a column {rule.column!r} in {rule.file!r}"
+            raise ResultsError(f"{reference / FILE}: no table has {column}")
     return differences
 
 
