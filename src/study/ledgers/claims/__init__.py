@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict
+from itertools import compress, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from study.ledgers.claims.changed import Changed, with_inputs
-from study.ledgers.claims.criteria import NOT_COMPUTED, Claim, read_claims
+from study.ledgers.claims.criteria import Claim, read_claims
 from study.ledgers.claims.digitised import digitised_rows, read_digitised
 from study.ledgers.claims.independent import agreements, independent
 from study.ledgers.claims.judging import (
@@ -24,7 +26,7 @@ from study.ledgers.claims.judging import (
 )
 from study.ledgers.claims.shares import Share, shares
 from study.ledgers.claims.words import bounds, computed_values, failing, sentence
-from study.tables import Row
+from study.tables import NOT_COMPUTED, Row
 
 # Loaded where a ledger is judged: the pages, which read it as text, do without.
 if TYPE_CHECKING:
@@ -134,25 +136,22 @@ def verdicts(
 
 
 def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
-    rows = numbers[(numbers["claim"] == claim.id) & (numbers["problem"] == "")]
-    whole = len(rows) == (numbers["claim"] == claim.id).sum()
-    cases = claim.cases or ("",)
-    names = claim.quantities if claim.testable else ()
-    wanted = {(case, name) for case in cases for name in names}
-    keys = list(zip(rows["case"], rows["quantity"], strict=True))
-
-    def name(case: str, quantity: str) -> str:
-        return f"{claim.id}: {quantity} ({case})" if case else f"{claim.id}: {quantity}"
-
-    lines = [f"{name(*key)} is missing" for key in sorted(wanted - set(keys)) if whole]
-    for key, value in zip(keys, rows["value"], strict=True):
-        if key not in wanted:
-            lines.append(f"{name(*key)} is not declared")
-        elif not np.isfinite(value):
-            lines.append(f"{name(*key)} = {value} must be finite")
-    if len(set(keys)) != len(keys):
-        lines.append(f"{claim.id}: a number is given twice")
-    return lines
+    rows = numbers[numbers["claim"] == claim.id]
+    computed = rows[rows["problem"] == ""]
+    wanted = set(product(claim.cases or ("",), claim.quantities if claim.testable else ()))
+    keys = list(zip(computed["case"], computed["quantity"], strict=True))
+    finite = np.isfinite(computed["value"].to_numpy(float))
+    problems = {
+        "is missing": sorted(wanted - set(keys)) if len(computed) == len(rows) else [],
+        "is not declared": [key for key in keys if key not in wanted],
+        "must be finite": list(compress(keys, ~finite)),
+        "is there twice": [key for key, count in Counter(keys).items() if count > 1],
+    }
+    return [
+        f"{claim.id}: {quantity}{f' ({case})' if case else ''} {problem}"
+        for problem, wrong in problems.items()
+        for case, quantity in wrong
+    ]
 
 
 def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[Row, list[Row]]:

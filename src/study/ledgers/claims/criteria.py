@@ -37,9 +37,8 @@ Verdict = Literal[
     "not identified",
     "not testable",
 ]
-# What a claim gets whose numbers the settings of a run do not allow; no claim can declare it.
-NOT_COMPUTED: Literal["not computed"] = "not computed"
-# What it gets if the error of a number covers the bound that decides; none declares that, either.
+# What a claim gets if the error of a number covers the bound that decides; none can declare it, nor
+# that it was not computed.
 UNDECIDED: Literal["undecided"] = "undecided"
 Finding = Literal[Verdict, "not computed", "undecided"]
 # Without numbers, but those of equations: settings that it hangs on are told by its label.
