@@ -166,7 +166,7 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.Dat
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
-        _require_whole_rows(text, str(path))
+        require_whole_rows(text, str(path))
     except (UnicodeDecodeError, csv.Error) as error:
         raise TableError(f"{path}: no CSV table in UTF-8: {error}") from None
     table = computed(parse_table(text))
@@ -201,8 +201,11 @@ def parse_table(text: str) -> pd.DataFrame:
     return pd.read_csv(io.StringIO(text), keep_default_na=False, na_values=[""])
 
 
-def _require_whole_rows(text: str, name: str) -> None:
-    # Missing fields at the end of a row would be read as missing values, a cut number as another.
+def require_whole_rows(text: str, name: str) -> None:
+    """Raise `TableError`, naming the line, unless each row of a CSV text is as long as its header.
+
+    Missing fields at the end of a row would be read as missing values, a cut number as another.
+    """
     rows = csv.reader(io.StringIO(text, newline=""))
     expected = len(next(rows, ()))
     for row in rows:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import gzip
 import io
 import json
@@ -16,6 +15,7 @@ from pydantic import ValidationError
 from microimpact.core.materials import declared_file
 from study.declared.documents import load
 from study.declared.parameters import build, explain
+from study.tables import require_whole_rows
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,25 +98,15 @@ def key_columns(name: str) -> tuple[str, ...]:
 def read_cells(path: Path) -> pd.DataFrame:
     """Read a CSV table as text, every cell as in the file.
 
-    Raises ResultsError, naming the file and the line that is malformed.
+    Raises TableError, naming the file and the line that is malformed.
     """
     import pandas as pd
 
-    reader = csv.reader(io.StringIO(read_text(path), newline=""), strict=True)
-    rows: list[list[str]] = []
-    try:
-        for row in reader:
-            if rows and len(row) != len(rows[0]):
-                raise ResultsError(
-                    f"{path}, line {reader.line_num}: {len(row)} fields where the header "
-                    f"has {len(rows[0])}"
-                )
-            rows.append(row)
-    except csv.Error as error:
-        raise ResultsError(f"{path}, line {reader.line_num}: {error}") from None
-    if not rows or len(set(rows[0])) < len(rows[0]) or not rows[0]:
-        raise ResultsError(f"{path}, line 1: must be a header of different names")
-    return pd.DataFrame(rows[1:], columns=rows[0], dtype=object)
+    text = read_text(path)
+    require_whole_rows(text, str(path))
+    return pd.read_csv(
+        io.StringIO(text), dtype=object, keep_default_na=False, skip_blank_lines=False
+    )
 
 
 def read_text(path: Path) -> str:
