@@ -86,17 +86,6 @@ def test_a_number_that_is_not_there_is_named(docs, run, asked, message):
     assert message in str(error.value)
 
 
-def test_a_run_of_other_settings_is_refused(docs, run, tmp_path):
-    report = run / "report"
-    report.mkdir()
-    (report / "record.json").write_text(
-        '{"seed": 1, "git": {}, "python": "", "platform": "", "packages": {}, "figures": {},'
-        ' "rules": [], "changes": [{"key": "doe.runs", "shipped": 2, "used": 1}]}'
-    )
-    with pytest.raises(PageError, match=r"1 keys of its configuration differ .*doe\.runs"):
-        renew(run, docs, CRITERIA, tmp_path / "kept")
-
-
 def test_what_the_example_analysis_found_is_in_its_table():
     page = (ROOT / "docs/adding-an-analysis.md").read_text(encoding="utf-8")
     rows = page.partition("| statement of the abstract | found |")[2].splitlines()[2:]

@@ -111,13 +111,6 @@ def test_every_number_of_every_testable_claim_is_there(claims, numbers, ledger):
     assert list(ledger.index) == list(claims)
 
 
-def test_every_number_names_the_function_of_its_claim(numbers):
-    for name, code in zip(numbers["claim"], numbers["code"], strict=True):
-        module, _, function = code.rpartition(".")
-        assert module.startswith("study.studies.claims.claim_numbers.")
-        assert function == name.lower()
-
-
 def test_a_claim_alone_has_the_numbers_it_has_among_all(branch, inputs, numbers):
     params = build(claim_numbers.Params, branch)
     for name in ("C09", "C60", "C97"):
@@ -129,11 +122,6 @@ def test_a_claim_alone_has_the_numbers_it_has_among_all(branch, inputs, numbers)
 def again(table):
     """Return a table as it is read from its file."""
     return texts_filled(parse_table(table.to_csv(index=False)))
-
-
-def test_a_claim_of_another_name_is_refused(branch):
-    with pytest.raises(ValueError, match="no function computes a claim 'C90'"):
-        numbers_of("C90", build(claim_numbers.Params, branch), {})
 
 
 def test_a_draw_that_is_a_calibrated_contact_has_its_numbers(branch, inputs, numbers):
