@@ -14,12 +14,7 @@ from tests.shared import execute
 from workflow.scripts.job import logged
 
 from microimpact.core.files import AlteredError, require_unaltered, write_checksums, write_file
-from study.tables import (
-    TableError,
-    read_figure_data,
-    series_frame,
-    write_table,
-)
+from study.tables import TableError, read_figure_data, series_frame, write_table
 
 WRITER = """
 import itertools, sys

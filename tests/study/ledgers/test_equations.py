@@ -19,12 +19,7 @@ from study.ledgers.equations import (
     row,
     verdict,
 )
-from study.ledgers.equations.forms import (
-    DimensionError,
-    check_dimensions,
-    evaluate,
-    parse,
-)
+from study.ledgers.equations.forms import DimensionError, check_dimensions, evaluate, parse
 from study.ledgers.equations.records import At
 from study.tables import parse_table
 

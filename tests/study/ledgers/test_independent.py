@@ -5,13 +5,7 @@ import pytest
 from tests.study.ledgers.test_claims import claim
 
 from study.ledgers.claims.criteria import ClaimsError
-from study.ledgers.claims.independent import (
-    AGREES,
-    DISAGREES,
-    SPLIT,
-    agreements,
-    independent,
-)
+from study.ledgers.claims.independent import AGREES, DISAGREES, SPLIT, agreements, independent
 from study.ledgers.claims.words import agreement as in_words
 
 TABLE = pd.DataFrame(

@@ -11,12 +11,7 @@ from pydantic import ValidationError
 
 from study.declared.documents import load
 from study.declared.parameters import Name, Positive, build, explain
-from study.ledgers.claims.criteria import (
-    DIGITISED,
-    ClaimsError,
-    Criterion,
-    FigureName,
-)
+from study.ledgers.claims.criteria import DIGITISED, ClaimsError, Criterion, FigureName
 from study.ledgers.claims.judging import margins, results, verdict
 from study.ledgers.claims.words import bounds, computed_values, failing, sentence
 from study.tables import Row

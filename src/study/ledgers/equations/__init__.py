@@ -33,13 +33,7 @@ from study.ledgers.equations.forms import (
     check_dimensions,
     parse,
 )
-from study.ledgers.equations.records import (
-    At,
-    Checked,
-    Equation,
-    Proof,
-    ReferenceCase,
-)
+from study.ledgers.equations.records import At, Checked, Equation, Proof, ReferenceCase
 
 EQUATIONS = {
     name: build(Equation, {"id": name, **entry})

@@ -10,13 +10,7 @@ import sympy
 from microimpact.model.contact import hertz_stiffness
 from microimpact.model.dynamics.trajectory import Trajectory, trajectory
 from study.ledgers.equations.forms import symbols
-from study.ledgers.equations.records import (
-    Facts,
-    Proof,
-    Values,
-    follows,
-    where_one,
-)
+from study.ledgers.equations.records import Facts, Proof, Values, follows, where_one
 
 # Moment of the traced impact at which forces are compared: rebound, still pressed together.
 TRACED_POINTS, TRACED_MOMENT = 400, 240

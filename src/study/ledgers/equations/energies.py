@@ -11,14 +11,7 @@ import sympy
 from microimpact.model.rigid_body import algebra
 from study.ledgers.equations.forms import Form, symbols, vanishes
 from study.ledgers.equations.impulses import INERTIA, adhesion, newton
-from study.ledgers.equations.records import (
-    Derivation,
-    Facts,
-    Proof,
-    ReferenceCase,
-    Values,
-    follows,
-)
+from study.ledgers.equations.records import Derivation, Facts, Proof, ReferenceCase, Values, follows
 
 e, eta, m, omega, p, R, rho, v, V = symbols("e eta m omega p R rho v V")
 v_n, v_t, V_n, V_t, Omega, P_n, P_t = symbols("v_n v_t V_n V_t Omega P_n P_t")

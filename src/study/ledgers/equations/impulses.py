@@ -8,13 +8,7 @@ import sympy
 
 from microimpact.model.rigid_body import algebra
 from study.ledgers.equations.forms import symbols
-from study.ledgers.equations.records import (
-    Facts,
-    Proof,
-    Values,
-    follows,
-    solve,
-)
+from study.ledgers.equations.records import Facts, Proof, Values, follows, solve
 
 e, eta, k, m, mu, mu_0, omega, Omega, r, R, rho = symbols("e eta k m mu mu_0 omega Omega r R rho")
 v_n, v_t, V_n, V_t, V_Ct = symbols("v_n v_t V_n V_t V_Ct")
