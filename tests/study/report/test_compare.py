@@ -164,12 +164,3 @@ def test_the_command_ends_with_one_where_something_differs(baseline, changed, tm
     assert "## Verdicts" in text
     Page(html.read_text(encoding="utf-8"))
     assert run("compare", baseline, baseline)[0] == 0
-
-
-def test_the_command_refuses_folders_without_results(baseline, tmp_path):
-    code, _, error = run("compare", baseline, tmp_path / "nothing")
-    assert (code, error) == (2, f"microimpact: {tmp_path / 'nothing'}: no such folder\n")
-    (baseline / "run.json").write_text("{\n?")
-    code, _, error = run("compare", baseline, baseline)
-    assert code == 2
-    assert "run.json, line 2: " in error
