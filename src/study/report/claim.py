@@ -114,14 +114,14 @@ def with_contacts(
 
 
 def tell(name: str, changes: Mapping[str, Any], results: Path, *, broken: bool = False) -> str:
-    """Return a claim in words, its numbers from a run or computed anew.
+    """Return a claim in words, its numbers from a run or computed now.
 
     Parameters
     ----------
     name
         Such as ``C58``.
     changes
-        Declared values to be changed, at every depth; the claim alone is then computed anew.
+        Declared values to be changed, at every depth; the claim alone is then computed.
     results
         Results folder. Tables are taken from it if it holds a run of the shipped configuration.
     broken
@@ -144,15 +144,14 @@ def tell(name: str, changes: Mapping[str, Any], results: Path, *, broken: bool =
     changes = merged(control.set, changes) if broken else changes
     folder = results if _shipped(results) else None
     claim = judged(name, changes, contacts, folder)
-    numbers = claim.numbers
     facts = folder / "tables/external_evidence.csv" if folder else None
     evidence = independent({name: claim.claim}, read_table(facts)) if facts else pd.DataFrame()
     function = CLAIMS[name].function
     where = f"{inspect.getsourcefile(function)}:{inspect.getsourcelines(function)[1]}"
     makers = studies.needs(STUDY)
-    read = sorted({name for text in numbers["inputs"].dropna() for name in text.split()})
-    anew = "computed anew" if changes or contacts else "computed now"
-    rest = f"{anew}; what rests on no change from {folder}" if changes or contacts else str(folder)
+    source = str(folder or "computed now")
+    if changes or contacts:
+        source = f"computed now{f'; what rests on no change from {folder}' if folder else ''}"
     settings = yaml.safe_dump(dict(changes), default_flow_style=True).strip() if changes else ""
     row = with_inputs(claim.ledger, {} if broken else claim.changed)
     factors = f"contacts by {dict(contacts)}" if contacts else ""
@@ -161,12 +160,12 @@ def tell(name: str, changes: Mapping[str, Any], results: Path, *, broken: bool =
         {key: value for key, value in row.items() if value != "" and pd.notna(value)},
         results=claim.results,
         evidence=evidence.to_dict("records"),
-        problems=[each for each in dict.fromkeys(numbers["problem"].dropna()) if each],
-        code=f"{function.__module__}.{function.__qualname__}, {where}",
-        inputs=[f"{name} (of {makers[name]})" if name in makers else name for name in read],
+        problems=[each for each in dict.fromkeys(claim.numbers["problem"].dropna()) if each],
+        code=f"{row['code']}, {where}",
+        inputs=[f"{n} (of {makers[n]})" if n in makers else n for n in row["inputs"].split()],
         broken=broken,
         changes="; ".join(filter(None, (settings, factors))),
-        source=rest if folder else anew,
+        source=source,
     )
 
 

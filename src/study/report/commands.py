@@ -108,7 +108,7 @@ def claim_command(
 ) -> None:
     """Tell the claim NAME, such as C58, how it is judged, its numbers and their source.
 
-    With --set or --break the claim alone is computed anew; nothing is written.
+    With --set or --break the claim alone is computed; nothing is written.
     """
     from study.report.check.results import require_results
     from study.report.claim import changed, tell
