@@ -160,11 +160,6 @@ class Amendment:
     now: Name
     reason: Name  # In terms that do not depend on the verdict
 
-    def __post_init__(self) -> None:
-        """Refuse an amendment that changes nothing."""
-        if self.was == self.now:
-            raise ValueError(f"now: {self.now!r} must differ from 'was'")
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
@@ -187,13 +182,11 @@ class Claim:
     quantities
         Numbers to compute: units, or units and labels where the name does not say all.
     criteria
-        All must hold.
+        All must hold; none if nothing was published to test.
     reason
         Why these bounds decide.
     if_met
         What comes out if all criteria hold.
-    testable
-        Whether anything was published to test; else there are no criteria.
     cases
         Alternatives that the published facts leave open. The criteria are judged in each;
         if some cases meet them and others do not, the claim is `not identified`.
@@ -223,7 +216,6 @@ class Claim:
     criteria: tuple[Criterion, ...] = ()
     reason: Name
     if_met: Positive = "reproduced"
-    testable: bool = True
     cases: tuple[Name, ...] = ()
     identified_if: tuple[Criterion, ...] = ()
     with_: Annotated[dict[str, Any], Field(alias="with")] = field(default_factory=dict)
@@ -239,17 +231,18 @@ class Claim:
             if (name := criterion.quantity) not in self.quantities:
                 known = nearest(name, self.quantities)
                 raise ValueError(f"'{name}' is not among the quantities{known}")
-        if self.criteria and not self.testable:
-            raise ValueError("a claim that is not testable has no criteria")
-        if self.testable and not self.criteria:
-            raise ValueError("criteria: at least one is needed")
         if len(self.cases) == 1:
             raise ValueError("cases: one alone is no alternative")
-        if self.testable and self.break_ is None:
-            raise ValueError("a claim that can be reproduced needs a break")
+        if self.testable != (self.break_ is not None):
+            raise ValueError("a claim with criteria needs a break, one without has none")
         if self.break_ and self.break_.expect not in self.verdicts:
             expected = f"'{self.break_.expect}', which is not among the verdicts"
             raise ValueError(f"break expects {expected}: {', '.join(self.verdicts)}")
+
+    @property
+    def testable(self) -> bool:
+        """Whether there are criteria."""
+        return bool(self.criteria)
 
     @property
     def units(self) -> dict[str, str]:
@@ -310,7 +303,8 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
             problems.append(f"{key}: {entry!r} must be a mapping")
             continue
         try:
-            words = entry if values is None else filled(entry, _named(values, key), str(key))
+            known = values and {**values, **values.get(key, {})}
+            words = filled(entry, known, str(key)) if known else entry
             claims[key] = build(Claim, {"id": str(key), **words})
         except ValidationError as error:
             # The field cannot bear the name of its key, a word of the language.
@@ -320,19 +314,9 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
     if values is not None and not problems:
         computed = studies.study("claim_numbers").CLAIMS
         judged = {name for name, claim in claims.items() if claim.testable}
-        problems += [
-            f"{name}: claim_numbers has a function for it, but no claim is to be judged"
-            for name in sorted({*computed} - judged)
-        ]
-        problems += [
-            f"{name}: claim_numbers has no function for it{nearest(name, computed)}"
-            for name in sorted(judged - {*computed})
-        ]
+        for name in sorted(judged ^ {*computed}):
+            lacking = "function" if name in judged else "claim"
+            problems.append(f"{name}: claim_numbers: there is no {lacking} of this name")
     if problems:
         raise ClaimsError("\n".join(problems))
     return dict(sorted(claims.items(), key=lambda item: int(item[0][1:])))
-
-
-def _named(values: Mapping[str, Any], claim: str) -> dict[str, Any]:
-    """Return the parameters of all claims, and those of one by their names alone."""
-    return {**values, **values.get(claim, {})}
