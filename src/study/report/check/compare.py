@@ -74,7 +74,7 @@ class Changes:
     """Changes from one results folder to another.
 
     `runs` compares the stamps: commit, versions, seed. It makes no difference by itself, nor do
-    files that one of the runs has not built, `not_built`, by the name of the side. Figures that
+    files that one of the runs has not built, `not_built`, by its folder. Figures that
     rest on a changed input, `resting`, come first among the figures.
     """
 
@@ -87,7 +87,7 @@ class Changes:
     numbers: tuple[Difference, ...]
     figures: tuple[FigureChange, ...]
     unchanged_figures: tuple[str, ...]
-    not_built: Mapping[str, tuple[str, ...]]
+    not_built: tuple[tuple[Path, tuple[str, ...]], ...]
 
     @property
     def same(self) -> bool:
@@ -132,10 +132,11 @@ def compare(baseline: Path, changed: Path) -> Changes:
         numbers=tuple(topics["numbers"]),
         figures=tuple(figure for figure in figures if not figure.same),
         unchanged_figures=tuple(figure.name for figure in figures if figure.same),
-        not_built={
-            side: tuple(name for name in there if name not in here)
-            for side, here, there in zip(SIDES, (before, after), (after, before), strict=True)
-        },
+        not_built=tuple(
+            (root, lacking)
+            for root, here, there in ((baseline, before, after), (changed, after, before))
+            if (lacking := tuple(name for name in there if name not in here))
+        ),
     )
 
 
@@ -284,7 +285,7 @@ def _versions(stamp: Mapping[str, Any]) -> dict[str, Any]:
 def as_text(changes: Changes, few: int = 5) -> str:
     """Return the changes as Markdown."""
     parts = [f"# {changes.baseline} (baseline) and {changes.changed} (changed)"]
-    parts += [f"{len(n)} files were not built in {root}." for root, n in lone_files(changes)]
+    parts += [f"{len(n)} files were not built in {root}." for root, n in changes.not_built]
     if changes.same:
         parts.append(SAME)
     for title, differences, shown in sections(changes, few):
@@ -296,12 +297,6 @@ def as_text(changes: Changes, few: int = 5) -> str:
         lines = [f"- {figure.name}: {figure.words}" for figure in changes.figures]
         parts += ["## Figures", "\n".join(lines)]
     return "\n\n".join(parts)
-
-
-def lone_files(changes: Changes) -> list[tuple[Path, tuple[str, ...]]]:
-    """Return the folders that lack files of the other one, with these files."""
-    sides = zip(SIDES, (changes.baseline, changes.changed), strict=True)
-    return [(root, changes.not_built[side]) for side, root in sides if changes.not_built[side]]
 
 
 def sections(changes: Changes, few: int) -> list[tuple[str, tuple[Difference, ...], int]]:
@@ -328,7 +323,6 @@ def page(changes: Changes, few: int = 20) -> str:
         changes=changes,
         sides=SIDES,
         same=SAME,
-        lone_files=lone_files(changes),
         sections=[
             (title, [(file, *_in_page(part, shown)) for file, part in by_file(members).items()])
             for title, members, shown in sections(changes, few)
