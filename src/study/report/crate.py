@@ -79,29 +79,21 @@ FORMATS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Commit:
-    """The commit of a project; None where it was no git checkout."""
-
-    commit: str | None = None
-    dirty: bool | None = None
-
-    def __str__(self) -> str:
-        if self.commit is None:
-            return "no recorded commit"
-        state = {True: " with uncommitted changes", False: "", None: ", state unknown"}
-        return f"commit {self.commit}{state[self.dirty]}"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
     """Fields of a run stamp that a crate describes."""
 
     started: AwareDatetime
     ended: AwareDatetime  # When its last result was there
-    git: Commit
+    git: dict[str, str | bool | None]  # Commit, None where it was no git checkout; and if dirty
     packages: dict[str, str | None]  # Versions; None for a package that was not there
     config: dict[str, Any]
     identifier: str  # Begin of the stamp's SHA-256: names this run
+
+    @property
+    def commit(self) -> str:
+        """The commit of the project in words."""
+        state = " with uncommitted changes" if self.git["dirty"] else ""
+        return f"commit {self.git['commit']}{state}" if self.git["commit"] else "no recorded commit"
 
 
 def write_crate(results: Path, project: Path) -> Path:
@@ -169,7 +161,7 @@ def _require_same_project(run: Run, project: Path, results: Path) -> None:
         if not (project / name).is_file():
             raise ResultsError(f"{project}: not the project: it has no {name}")
     # Copies of other files than those that ran would be a false record.
-    recorded, present = run.git.commit, git_state(project)["commit"]
+    recorded, present = run.git["commit"], git_state(project)["commit"]
     if recorded and present and recorded != present:
         raise ResultsError(
             f"{results / STAMP}: the run is of commit {recorded}, the project is at {present}: "
@@ -208,7 +200,7 @@ def _add_workflow(crate: Any, run: Run, project: Path) -> Any:
         properties={
             "name": "Workflow of the microimpact study",
             "alternateName": WORKFLOW,
-            "description": f"Project at {run.git}.",
+            "description": f"Project at {run.commit}.",
             "encodingFormat": "text/plain",
         },
     )
@@ -218,18 +210,17 @@ def _add_workflow(crate: Any, run: Run, project: Path) -> Any:
     parts = [_add_copy(crate, project, path.relative_to(project)) for path in paths]
     if parts:
         workflow["hasPart"] = parts
+    # By name and version, as in the lock files; where it is fetched from is the user's affair.
+    software = [(name, version) for name, version in sorted(run.packages.items()) if version]
     workflow["softwareRequirements"] = [
-        _add_software(crate, name, version)
-        for name, version in sorted(run.packages.items())
-        if version
+        _add_context(
+            crate,
+            f"#{name}-{version}",
+            {"@type": "SoftwareApplication", "name": name, "softwareVersion": version},
+        )
+        for name, version in software
     ]
     return workflow
-
-
-def _add_software(crate: Any, name: str, version: str) -> Any:
-    # By name and version, as in the lock files; where it is fetched from is the user's affair.
-    properties = {"@type": "SoftwareApplication", "name": name, "softwareVersion": version}
-    return _add_context(crate, f"#{name}-{version}", properties)
 
 
 def _add_run(
@@ -242,7 +233,7 @@ def _add_run(
             "@type": "CreateAction",
             "name": "Run of the microimpact study",
             "description": (
-                f"snakemake, project at {run.git}. {STAMP} holds the merged configuration, "
+                f"snakemake, project at {run.commit}. {STAMP} holds the merged configuration, "
                 "with all that was changed by --configfile and --config."
             ),
             "instrument": workflow,
