@@ -34,8 +34,6 @@ STATUS = {
     "not reproduced": "Contradicted",
 }
 UNTESTED = "NotTested"
-CONFIDENCE = {"weak": "LowConfidence", "open": "Moderate"}
-FIRM = "HighConfidence"
 
 
 def chains_json(claims: Iterable[Row], commit: str | None) -> str:
@@ -58,6 +56,8 @@ def _chain(row: Row, commit: str | None) -> list[dict[str, Any]]:
     )
     sentence = f"http://purl.org/aida/{quote_plus(row['statement'])}"
     kind = "model_performance" if row["kind"] == "model" else "descriptive_pattern"
+    status = STATUS.get(row["verdict"], UNTESTED)
+    sure = "LowConfidence" if confidence(row) == "weak" else "HighConfidence"
     code = f"{row['code']} at commit {commit}" if commit else row["code"]
     steps: dict[str, dict[str, Any]] = {
         quoted: ARTICLE
@@ -82,8 +82,10 @@ def _chain(row: Row, commit: str | None) -> list[dict[str, Any]]:
         outcome: {
             "@type": "slt:FORRT-Replication-Outcome",
             "slt:isOutcomeOf": {"@id": study},
-            "slt:hasValidationStatus": {"@id": f"slt:{STATUS.get(row['verdict'], UNTESTED)}"},
-            "slt:hasConfidenceLevel": {"@id": f"slt:{CONFIDENCE.get(confidence(row), FIRM)}"},
+            "slt:hasValidationStatus": {"@id": f"slt:{status}"},
+            "slt:hasConfidenceLevel": {
+                "@id": f"slt:{'Moderate' if status == 'Inconclusive' else sure}"
+            },
             "slt:hasConclusionDescription": f"{row['verdict']}: {row['note']}",
             "slt:hasEvidenceDescription": row["computed_value"],
             "slt:hasLimitationsDescription": row["reason"],
