@@ -21,6 +21,7 @@ rule claims:
     """tables/claims.csv: every claim of the article, the numbers behind it and the verdict.
 
     tables/claim_results.csv: every number of a claim, its bounds, and whether it lies within them;
+    tables/claim_shares.csv: contacts that meet a claim, by scenario, law and alternative;
     tables/claim_evidence.csv: facts found by others, for which contacts they agree with the model;
     tables/claim_amendments.csv: what of a claim was changed after first judging, and why.
     Digitised points, if there are any, have rows after the claims.
@@ -30,7 +31,7 @@ rule claims:
         **tables("external_evidence", "digitised_residuals"),
         criteria=SETTINGS.general.claims,
     output:
-        **tables("claim_results", "claim_evidence", "claim_amendments"),
+        **tables("claim_results", "claim_shares", "claim_evidence", "claim_amendments"),
         claims=report(
             "<results>/tables/claims.csv",
             caption="../report/claims.rst",

@@ -3,9 +3,9 @@
 import numpy as np
 import pandas as pd
 import pytest
-from tests.study.ledgers.test_claims import claim, numbers
+from tests.study.ledgers.test_claims import CLAIMS, claim, numbers, residuals
 
-from study.ledgers.claims import verdicts
+from study.ledgers.claims import judge, verdicts
 from study.ledgers.claims.judging import judged
 from study.ledgers.claims.shares import NUMBERS, Share, separation, shares
 
@@ -126,3 +126,15 @@ def test_the_share_decides_in_the_ledger_and_the_cases_are_examples():
     assert row["shares"] == "40 % (31 to 50) with"
     assert row["decided_by"] == "friction (0.90)"
     assert row["note"].startswith("Holds for 40 % (31 to 50) with, of the drawn contacts")
+
+
+def test_the_ledger_has_a_row_per_scenario(tmp_path):
+    path = tmp_path / "claims.yaml"
+    path.write_text(CLAIMS)
+    tables = {"claim_numbers": numbers(("C01", "", "e", 0.7)), "digitised_residuals": residuals()}
+    draws = pd.concat([drawn([0.7, 0.7, 0.7, 0.1]), drawn([0.7], scenario="without")])
+    tables |= {"claim_draws": draws, "posterior_contacts": contacts(4)}
+    rows = judge(tables, path)["claim_shares"]
+    counts = rows[["id", "scenario", "met", "drawn"]].to_numpy().tolist()
+    assert counts == [["C01", "with", 3, 4], ["C01", "without", 1, 1]]
+    assert ((rows["low"] < rows["met"] / rows["drawn"]) & (rows["high"] <= 1.0)).all()

@@ -24,7 +24,7 @@ from study.ledgers.claims.judging import (
     results,
     verdict,
 )
-from study.ledgers.claims.shares import Share, shares
+from study.ledgers.claims.shares import GROUPS, Share, shares
 from study.ledgers.claims.words import bounds, computed_values, failing, sentence
 from study.tables import NOT_COMPUTED, Row
 
@@ -38,6 +38,7 @@ COLUMNS = (
     *("evidence", "figures", "code", "inputs", "changed_inputs", "reason", "note"),
 )
 AMENDMENT_COLUMNS = ("id", "part", "was", "now", "reason")
+SHARE_COLUMNS = ("id", *GROUPS, "met", "drawn", "low", "high")
 
 NO_SHARES: Mapping[str, Share] = {}
 AS_SHIPPED: Changed = {}
@@ -70,7 +71,8 @@ def judge(
     -------
     dict of pandas.DataFrame
         ``claims``, a row per claim; ``claim_results``, a row per number and its test;
-        ``claim_evidence``, a row per fact found by others; ``claim_amendments``.
+        ``claim_shares``, a row per scenario, law and alternative; ``claim_evidence``, a row per
+        fact found by others; ``claim_amendments``.
     """
     import pandas as pd
 
@@ -79,7 +81,8 @@ def judge(
     drawn = shares(claims, draws, tables["posterior_contacts"]) if len(draws) else NO_SHARES
     ledger, numbers = verdicts(claims, tables["claim_numbers"], drawn)
     evidence = independent(claims, tables.get("external_evidence"))
-    ledger["independent"] = ledger["id"].map(agreements(evidence)).fillna("")
+    agreeing = agreements(evidence)
+    ledger["independent"] = [agreeing.get(name, "") for name in ledger["id"]]
     marked = [with_inputs(row, changed) for _, row in ledger.iterrows()]
     rows, residuals = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
     amendments = [
@@ -87,8 +90,14 @@ def judge(
         for name, claim in claims.items()
         for amendment in claim.amendments
     ]
+    counts = [
+        (name, *group, *count, *interval)
+        for name, share in drawn.items()
+        for (group, count), interval in zip(share.counts.items(), share.intervals, strict=True)
+    ]
     return {
         "claims": pd.DataFrame([*marked, *rows], columns=list(COLUMNS)),
+        "claim_shares": pd.DataFrame(counts, columns=list(SHARE_COLUMNS)),
         "claim_results": pd.DataFrame([*numbers, *residuals], columns=list(RESULT_COLUMNS)),
         "claim_evidence": evidence,
         "claim_amendments": pd.DataFrame(amendments, columns=list(AMENDMENT_COLUMNS)),

@@ -63,7 +63,12 @@ LATER_COLUMNS = (
     *("changed_inputs", "reason", "quote"),
 )
 # Tables with rows of single claims.
-PARTS_OF_CLAIMS = {"results": "results", "facts": "evidence", "amendments": "amendments"}
+PARTS_OF_CLAIMS = {
+    "results": "results",
+    "shares": "shares",
+    "facts": "evidence",
+    "amendments": "amendments",
+}
 # Tables that the page of claims shows below them.
 BESIDE = ("rival_explanations", "capture_evidence", "rival_forces", "external_evidence")
 EQUATION_COLUMNS = (
@@ -206,7 +211,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     }
     named = [name for row in claims for name in row["code"].split()]
     named += [row["function"] for row in equations]
-    parts = common["results"], common["amendments"]
+    parts = common["results"], common["shares"], common["amendments"]
     commit = str(record.git.get("commit") or "") or None
     return (
         pages

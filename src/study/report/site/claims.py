@@ -35,6 +35,19 @@ class Number:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Share:
+    """Drawn contacts that meet a claim's criteria in a scenario: count, of all, 95 % interval."""
+
+    scenario: str
+    law: str
+    alternative: str
+    met: int
+    drawn: int
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Amendment:
     """A change of a claim after its first judgement."""
 
@@ -61,7 +74,7 @@ class Claim:
     verdict: str
     confidence: str  # open, exact, firm or weak: by verdict and standard errors from the bound
     note: str
-    shares: list[str]  # Of drawn contacts, by scenario, law and alternative, with 95 % interval
+    shares: list[Share]
     decided_by: str
     independent: str
     evidence: str
@@ -83,6 +96,7 @@ class Claims:
 def claims_json(
     claims: Sequence[Row],
     results: Mapping[str, Sequence[Row]],
+    shares: Mapping[str, Sequence[Row]],
     amendments: Mapping[str, Sequence[Row]],
     commit: str | None,
 ) -> str:
@@ -92,8 +106,8 @@ def claims_json(
     ----------
     claims
         Rows of the table ``claims``, as text.
-    results, amendments
-        Rows of ``claim_results`` and ``claim_amendments`` by claim.
+    results, shares, amendments
+        Rows of ``claim_results``, ``claim_shares`` and ``claim_amendments`` by claim.
     commit
         Of the run's project, if it is known.
     """
@@ -102,7 +116,7 @@ def claims_json(
             **row,
             "confidence": confidence(row),
             "numbers": [_known(each) for each in results.get(row["id"], ())],
-            "shares": row["shares"].split("; ") if row["shares"] else [],
+            "shares": [_part(Share, each) for each in shares.get(row["id"], ())],
             "changed_inputs": row["changed_inputs"].split("; ") if row["changed_inputs"] else [],
             **{name: row[name].split() for name in ("figures", "code", "inputs")},
             "amendments": list(amendments.get(row["id"], ())),
