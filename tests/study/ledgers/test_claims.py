@@ -11,7 +11,6 @@ from study.ledgers.claims import COLUMNS, LedgerError, judge, verdicts
 from study.ledgers.claims.criteria import Claim
 from study.ledgers.claims.digitised import DigitisedCriteria, digitised_rows
 from study.ledgers.claims.judging import RESULT_COLUMNS
-from study.ledgers.claims.words import quantities
 from study.studies.claims import NUMBER_COLUMNS
 
 
@@ -118,28 +117,6 @@ def test_a_result_tells_number_bound_and_whether_it_passed():
     assert (row["code"], row["inputs"]) == ("study.c", "t u")
     assert row["note"] == "e = 0.8 (required: 0.7 ± 0.05)"
     assert ledger_of(GOOD)[0]["note"] == "because"
-
-
-def test_numbers_are_written_as_a_person_would():
-    """Those with a criterion first, three digits, one more where they fail, no rounding noise."""
-    units = {"rest": "-", "pressure": {"unit": "MPa", "label": "pressure at 2 m/s"}, "share": "-"}
-    criteria = [
-        {"quantity": "pressure", "test": "at_most", "value": 1.0},
-        {"quantity": "share", "test": "between", "low": 0.0, "high": 2e5},
-    ]
-    values = {"rest": (2.4e-17, 0.0), "pressure": (2377.97, 0.0993185)}
-    values["share"] = 123456.0, 0.0
-    rows = [
-        ("C01", case, name, value[number])
-        for number, case in enumerate("ab")
-        for name, value in values.items()
-    ]
-    _, results = ledger_of(rows, quantities=units, criteria=criteria, **TWO)
-    first, second, third = quantities(results)
-    assert (first.label, first.bounds) == ("pressure at 2 m/s", "at most 1")
-    assert first.cells == (("a", "2378 MPa", True), ("b", "0.0993 MPa", False))
-    assert (second.bounds, second.cells[0]) == ("between 0 and 200000", ("a", "1.23 × 10⁵", False))
-    assert (third.label, third.bounds, third.cells[0]) == ("rest", "", ("a", "0", False))
 
 
 @pytest.mark.parametrize(

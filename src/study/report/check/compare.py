@@ -31,7 +31,7 @@ SIDES = ("baseline", "changed")
 SAME = "Inputs, numbers, verdicts and figures are the same."
 UNSEEN = "same parts, slightly moved"
 # Columns of the ledger of claims that are declared, not computed.
-DECLARED = ("statement", "criterion", "article_value")
+DECLARED = ("quote", "statement", "criterion", "article_value")
 # Column that repeats the changed inputs, claim by claim.
 MARKED = "changed_inputs"
 # Columns behind a verdict: the shares of the contacts that meet it, else its numbers.
