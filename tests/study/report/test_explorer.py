@@ -25,8 +25,10 @@ from study.tables import parse_table, read_table
 
 pytestmark = pytest.mark.slow
 
+# What JSON cannot carry is infinite: the diameter of a plane.
 BY_KERNEL = """
 return arguments[0].map((c) => {
+  c.partner_diameter ??= Infinity;
   const found = Explorer.impact(c);
   const limit = Explorer.captureVelocity(c);
   return { ...found, limit };
@@ -151,7 +153,7 @@ RELATIVE = 1e-9
 CLEAR = 1e-2
 
 
-def random_arguments(count):
+def random_arguments(count, *, pair=False):
     """Draw contacts and impacts from sticky to bouncy, slow to fast, in SI units."""
     rng = np.random.Generator(np.random.PCG64(np.random.SeedSequence(20011, spawn_key=(121, 1))))
 
@@ -176,7 +178,20 @@ def random_arguments(count):
     }
     spin = rng.choice([0.0, 1.0], count) * rng.standard_normal(count)
     c["spin"] = spin * c["speed"] / (c["diameter"] / 2.0)
-    return c
+    c["rho_2"] = log_uniform(900.0, 9000.0)
+    plane = {"partner_diameter": np.full(count, np.inf), "partner_spin": np.zeros(count)}
+    second = {
+        "partner_diameter": c["diameter"] * log_uniform(0.1, 30.0),
+        "partner_spin": c["spin"] * rng.standard_normal(count),
+    }
+    return c | (second if pair else plane)
+
+
+def simulated(c, basis="compressive"):
+    """The outcome by the package."""
+    return simulate(
+        contact_of(c), c["speed"], c["angle"], c["spin"], basis, partner_spin=c["partner_spin"]
+    )
 
 
 def near_threshold(c):
@@ -194,16 +209,19 @@ def near_threshold(c):
 
 def contact_of(c):
     particle = Material(name="p", youngs_modulus=c["E"], poissons_ratio=c["nu"], density=c["rho"])
-    surface = Material(name="s", youngs_modulus=c["E_2"], poissons_ratio=0.25, density=2000.0)
+    surface = Material(name="s", youngs_modulus=c["E_2"], poissons_ratio=0.25, density=c["rho_2"])
     fields = (
         *("diameter", "work_of_adhesion", "hertz_damping", "adhesion_damping"),
         *("adhesion_rate_exponent", "reference_velocity", "friction"),
     )
-    return Contact(particle=particle, surface=surface, **{name: c[name] for name in fields})
+    finite = np.all(np.isfinite(c["partner_diameter"]))
+    second = {"partner_diameter": c["partner_diameter"]} if finite else {}
+    given = {name: c[name] for name in fields}
+    return Contact(particle=particle, surface=surface, **given, **second)
 
 
 def as_page_takes_it(c, basis):
-    own = {"E", "nu", "rho", "E_2"}
+    own = {"E", "nu", "rho", "E_2", "rho_2"}
     return [
         {name: float(values[i]) for name, values in c.items() if name not in own}
         | {
@@ -212,9 +230,14 @@ def as_page_takes_it(c, basis):
                 "poissons_ratio": float(c["nu"][i]),
                 "density": float(c["rho"][i]),
             },
-            "surface": {"youngs_modulus": float(c["E_2"][i]), "poissons_ratio": 0.25},
+            "surface": {
+                "youngs_modulus": float(c["E_2"][i]),
+                "poissons_ratio": 0.25,
+                "density": float(c["rho_2"][i]),
+            },
             "basis": basis,
         }
+        | ({} if np.isfinite(c["partner_diameter"][i]) else {"partner_diameter": None})
         for i in range(c["speed"].size)
     ]
 
@@ -239,10 +262,11 @@ def stated_errors(files):
     return restitution, limit
 
 
+@pytest.mark.parametrize("pair", [False, True])
 @pytest.mark.parametrize("basis", FRICTION_BASES)
-def test_impacts_are_those_of_the_kernel(browser, basis):
-    c = random_arguments(600)
-    exact = simulate(contact_of(c), c["speed"], c["angle"], c["spin"], basis)
+def test_impacts_are_those_of_the_kernel(browser, basis, pair):
+    c = random_arguments(600, pair=pair)
+    exact = simulated(c, basis)
     found = browser.execute_script(BY_KERNEL, as_page_takes_it(c, basis))
     assert not any(one["unsolved"] for one in found)
     assert np.array_equal(column(found, "captured").astype(bool), exact.captured)
@@ -252,9 +276,12 @@ def test_impacts_are_those_of_the_kernel(browser, basis):
 
     for name in ("coefficient_of_restitution", "contact_time", "impulse_ratio"):
         assert relative(found, exact, name, ~exact.captured) < RELATIVE, name
-    surface_speed = c["speed"] + np.abs(c["spin"]) * c["diameter"] / 2.0
-    spin = np.abs(column(found, "spin") - exact.spin) * c["diameter"] / 2.0
-    assert np.max(spin / surface_speed) < RELATIVE
+    second = np.where(np.isfinite(c["partner_diameter"]), c["partner_diameter"], 0.0)
+    turning = np.abs(c["spin"]) * c["diameter"] + np.abs(c["partner_spin"]) * second
+    surface_speed = c["speed"] + turning / 2.0
+    for name, diameter in (("spin", c["diameter"]), ("partner_spin", second)):
+        error = np.abs(column(found, name) - getattr(exact, name)) * diameter / 2.0
+        assert np.max(error / surface_speed) < RELATIVE, name
     for name in ("normal_velocity", "tangential_velocity"):
         error = np.abs(column(found, name) - getattr(exact, name))
         assert np.max(error / surface_speed) < RELATIVE, name
@@ -267,7 +294,7 @@ def test_impacts_are_those_of_the_kernel(browser, basis):
 def test_impacts_near_the_threshold_are_those_of_the_kernel(browser, files):
     c, distance = near_threshold(random_arguments(900))
     assert distance.size > 500
-    exact = simulate(contact_of(c), c["speed"], c["angle"], c["spin"])
+    exact = simulated(c)
     found = browser.execute_script(BY_KERNEL, as_page_takes_it(c, "compressive"))
     assert np.array_equal(column(found, "captured").astype(bool), distance < 0.0)
     e = column(found, "coefficient_of_restitution")
@@ -278,8 +305,9 @@ def test_impacts_near_the_threshold_are_those_of_the_kernel(browser, files):
         assert relative(found, exact, name, clear) < RELATIVE, name
 
 
-def test_capture_velocities_are_those_of_the_kernel(browser, files):
-    c = random_arguments(600)
+@pytest.mark.parametrize("pair", [False, True])
+def test_capture_velocities_are_those_of_the_kernel(browser, files, pair):
+    c = random_arguments(600, pair=pair)
     exact = capture_velocity(contact_of(c))
     found = column(browser.execute_script(BY_KERNEL, as_page_takes_it(c, "net")), "limit")
     assert np.array_equal(np.isinf(found), np.isinf(exact))
