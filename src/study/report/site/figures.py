@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 from study import studies
 from study.ledgers.claims.words import in_words
@@ -23,6 +24,15 @@ TABLES = {
     "contacts": "contacts",
     "printed": "printed_values",
     "external": "external",
+}
+# Values of a study that say which impact it computes, and the fields of the explorer.
+EXPLORED = {
+    "case": "contact",
+    "diameter_um": "d",
+    "speed_m_per_s": "v",
+    "angle_deg": "angle",
+    "spin_rad_per_s": "spin",
+    "friction": "f",
 }
 _MICROMETRE = re.compile(r"\bum\b")
 _ITEM = re.compile(r"\[\d+\]$")
@@ -50,7 +60,8 @@ class Inputs:
 class Figure:
     """One figure: words, files relative to the results, inputs, equations and claims.
 
-    Tables of its study that belong beside it have a sentence each.
+    Tables of its study that belong with it have a sentence each, functions of its code a role.
+    `explorer` is the fragment that opens the explorer with its impact; empty if it has none.
     """
 
     name: str
@@ -64,7 +75,10 @@ class Figure:
     data: tuple[str, ...]
     tables: Mapping[str, str]
     marks: tuple[Marks, ...]
-    inputs: tuple[Inputs, ...]
+    inputs: Inputs
+    upstream: tuple[str, ...]
+    code: Mapping[str, str]
+    explorer: str
     departures: tuple[Row, ...]
     contacts: tuple[str, ...]
     equations: tuple[Row, ...]
@@ -111,12 +125,8 @@ def figures(
     """
     needed = needs(record.rules)
     calibration = read_rows(results / "tables/calibration.csv")
-    drawn = [entry["study"] for entry in record.figures.values()]
     rules = {rule.name: rule for rule in record.rules}
-    behind = {
-        study: _inputs(rules.get(study, Rule(name=study)), declared)
-        for study in dict.fromkeys(s for name in drawn for s in (name, *upstream(name, needed)))
-    }
+    homes = studies.homes()
     there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
 
     def figure(name: str) -> Figure:
@@ -133,7 +143,13 @@ def figures(
             data=data,
             tables={file: words for file, words in tables.items() if (results / file).is_file()},
             marks=_marks([results / file for file in data], entry.get("panels", {})),
-            inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
+            inputs=_inputs(rules.get(study, Rule(name=study)), declared),
+            upstream=upstream(study, needed),
+            code={
+                "drawing": f"{entry['module']}.{entry.get('function', 'draw')}",
+                "analysis": f"{homes.get(study, '')}.run",
+            },
+            explorer=explored(study, declared),
             departures=departures(declared, [study], needed),
             contacts=()
             if ".schematics." in entry["module"]
@@ -206,6 +222,18 @@ def _inputs(rule: Rule, declared: Sequence[Row]) -> Inputs:
         values=tuple(joined(values)),
         rows=tuple(row for row in declared if (row["file"], owner(row)) in named),
     )
+
+
+def explored(study: str, declared: Sequence[Row]) -> str:
+    """Return the state of the explorer for the impact of a study, empty without a single one."""
+    values = {
+        row["key"].removeprefix(f"{study}."): row["value"]
+        for row in declared
+        if row["file"] == "config" and row["key"].startswith(f"{study}.")
+    }
+    if not {"case", "speed_m_per_s"} <= set(values):
+        return ""
+    return urlencode({field: values[key] for key, field in EXPLORED.items() if key in values})
 
 
 def departures(
