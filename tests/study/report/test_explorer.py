@@ -336,22 +336,6 @@ def test_shares_of_the_energy_add_up_and_follow_the_ledger(browser):
 # ---- its use ------------------------------------------------------------------------------------
 
 
-def test_the_arrow_keys_move_a_slider_and_the_numbers_follow(browser):
-    from selenium.webdriver.common.keys import Keys
-
-    def shown(name):
-        return outputs(browser), browser.find_element("id", name).get_attribute("value")
-
-    for name in ("d", "w", "cH", "cA", "f", "v", "angle", "spin"):
-        before = shown(name)
-        slider = browser.find_element("id", f"{name}_slider")
-        slider.send_keys(Keys.ARROW_RIGHT)
-        settled(browser)
-        after = shown(name)
-        assert all(old != new for old, new in zip(before, after, strict=True)), name
-        assert slider.get_attribute("aria-valuetext").startswith(after[1])
-
-
 def test_a_choice_of_material_sets_its_constants_and_own_numbers_are_named_so(browser):
     from selenium.webdriver.support.select import Select
 
@@ -412,8 +396,8 @@ def test_a_link_restores_the_state(browser, page):
     assert outputs(browser) != shown
 
 
-def test_a_figure_opens_it_with_its_impact(browser, page, inputs):
-    declared = read_rows(ROOT / "tests/reference/tables/inputs.csv")
+def test_a_figure_opens_it_with_its_impact(browser, page, inputs, results):
+    declared = read_rows(results / "tables/inputs.csv")
     visit(browser, f"{page.as_uri()}#{explored('force_history', declared)}")
     case = "fluorescein-molybdenum, nominal"
     assert browser.find_element("id", "contact").get_attribute("value") == case

@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from study.ledgers.claims.changed import OF_ANOTHER
 from study.ledgers.claims.criteria import UNCOUNTED
-from study.ledgers.claims.words import bounds, fails, number, readable, with_unit
+from study.ledgers.claims.words import bounds, fails, in_words, number, readable, with_unit
 from study.report.site.formula import mathml
 
 Row = dict[str, str]
@@ -156,3 +156,9 @@ def measure(low: str, unit: str, high: str = "") -> str:
     return (
         readable(least, unit) if least == most else f"{readable(least)} to {readable(most, unit)}"
     )
+
+
+def cell(row: Row, low: str, high: str = "") -> str:
+    """Return what a row has under a key, or under two as a range, in words."""
+    text = measure(row[low], row.get("unit", ""), row.get(high, ""))
+    return {"True": "yes", "False": "no"}.get(text, in_words(text))
