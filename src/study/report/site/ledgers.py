@@ -159,6 +159,6 @@ def measure(low: str, unit: str, high: str = "") -> str:
 
 
 def cell(row: Row, low: str, high: str = "") -> str:
-    """Return what a row has under a key, or under two as a range, in words."""
+    """Return the number or text of a row under a key, or the range under two, in words."""
     text = measure(row[low], row.get("unit", ""), row.get(high, ""))
     return {"True": "yes", "False": "no"}.get(text, in_words(text))

@@ -62,7 +62,7 @@ globalThis.Page = (() => {
       byId(role).value = found ? found.material : OWN;
     }
     const equal = (c) =>
-      now.D === Fields.PLANE && c.particle === byId("particle").value && c.surface === byId("surface").value &&
+      Fields.parsed(now.D) === Infinity && c.particle === byId("particle").value && c.surface === byId("surface").value &&
       Object.entries(CONTACT).every(([key, name]) => c[name] === null || same(key, c[name]));
     byId("contact").value = numbers.contacts.find(equal)?.contact ?? OWN;
   }
