@@ -50,8 +50,6 @@ class Marks:
 class Inputs:
     """Inputs of one study: values of its branch and rows of the declared tables."""
 
-    study: str
-    purpose: str
     values: tuple[Row, ...]
     rows: tuple[Row, ...]
 
@@ -217,8 +215,6 @@ def _inputs(rule: Rule, declared: Sequence[Row]) -> Inputs:
         if row["file"] == "config" and row["key"].startswith(f"{rule.name}.")
     ]
     return Inputs(
-        study=rule.name,
-        purpose=rule.purpose,
         values=tuple(joined(values)),
         rows=tuple(row for row in declared if (row["file"], owner(row)) in named),
     )

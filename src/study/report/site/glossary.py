@@ -11,7 +11,7 @@ from study.declared.documents import load
 from study.declared.provenance import EVIDENCE
 from study.report.site.ledgers import anchor
 
-FILE = Path(__file__).parent / "glossary.yaml"
+FILE = Path(__file__).parent / "templates/glossary.yaml"
 # Elements whose words stay as they are: links, names, headings and the controls of a form.
 LEFT = frozenset(
     (
