@@ -151,7 +151,7 @@ def figures(
             departures=departures(declared, [study], needed),
             contacts=()
             if ".schematics." in entry["module"]
-            else _named(contacts(study, declared, calibration), entry),
+            else contacts(entry, declared, calibration),
             equations=tuple(
                 row for row in ledgers["equations"] if row["equation"] in entry.get("equations", ())
             ),
@@ -242,38 +242,25 @@ def departures(
     )
 
 
-def contacts(study: str, declared: Sequence[Row], calibration: Sequence[Row]) -> tuple[str, ...]:
-    """Return the calibrated contacts that a study names, each in words with its parameters.
+def contacts(
+    entry: Mapping[str, Any], declared: Sequence[Row], calibration: Sequence[Row]
+) -> tuple[str, ...]:
+    """Return the calibrated contacts that a figure names, or else all that its study uses.
 
-    A case is named by a value, as ``case``, or it is the name of a branch of the study.
+    A study names one by a value, as ``case``, or by a branch.
+
+    Parameters
+    ----------
+    entry
+        Of the figure in the registry.
+    declared, calibration
+        Rows of the tables of inputs and of the calibration.
     """
-    branch = [row for row in declared if row["key"].startswith(f"{study}.")]
+    branch = [row for row in declared if row["key"].startswith(f"{entry['study']}.")]
     values, keys = {row["value"] for row in branch}, "\n".join(f"{row['key']}." for row in branch)
-    cases: dict[str, dict[str, float]] = {}
-    for row in calibration:
-        case = row["case"]
-        if row["role"] == "parameter" and (case in values or f".{case}." in keys):
-            cases.setdefault(case, {})[row["quantity"]] = float(row["value"])
-    symbols = {
-        "w_A": ("work_of_adhesion", "J/m²"),
-        "c_H": ("hertz_damping", "s/m"),
-        "c_A": ("adhesion_damping", "s/m"),
-        "n": ("adhesion_rate_exponent", ""),
-    }
-    return tuple(
-        f"{case}: "
-        + ", ".join(
-            f"{symbol} = {parameters[name]:.4g} {unit}".rstrip()
-            for symbol, (name, unit) in symbols.items()
-        )
-        for case, parameters in cases.items()
-    )
-
-
-def _named(words_of_contacts: tuple[str, ...], entry: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the contacts that the words of a figure name; all of its study if they name none."""
-    named = tuple(words for words in words_of_contacts if words.partition(":")[0] in str(entry))
-    return named or words_of_contacts
+    cases = dict.fromkeys(row["case"] for row in calibration)
+    used = [case for case in cases if case in values or f".{case}." in keys]
+    return tuple([case for case in used if case in str(entry)] or used)
 
 
 # The study of all claims; each rests on the tables that it was computed from.
