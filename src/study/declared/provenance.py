@@ -14,16 +14,17 @@ from typing import Any
 
 from microimpact.core.nearest import nearest
 
-EVIDENCE = (
-    "printed",  # given in the article's text
-    "found",  # taken from a public source, which is named
-    "textbook",  # a handbook value
-    "derived",  # follows from the classes above
-    "assumed",  # unknown, chosen for a stated reason
-    "calibrated",  # fitted to a printed or derived target
-    "chosen",  # numerical choice without physical content, as a number of points
-    "user",  # given by an overlay or on the command line
-)
+# Classes of declared values, with their meaning.
+EVIDENCE = {
+    "printed": "given in the article's text",
+    "found": "taken from a public source, which is named",
+    "textbook": "a handbook value",
+    "derived": "follows from printed, found and textbook values",
+    "assumed": "unknown, chosen for a stated reason",
+    "calibrated": "fitted to a printed or derived target",
+    "chosen": "numerical choice without physical content, as a number of points",
+    "user": "given by an overlay or on the command line",
+}
 
 _WORDS = ("evidence", "source")
 _PARTS = ("value", "values", *_WORDS)

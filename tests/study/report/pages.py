@@ -35,6 +35,3 @@ class Page(HTMLParser):
 
     def handle_data(self, data):
         self.text.append(data)
-
-    def has(self, tag, **given):
-        return any(t == tag and given.items() <= a.items() for t, a in self.tags)

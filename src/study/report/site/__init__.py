@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-PAGES = ("index", "claims", "equations", "tables", "workflow", "run")
+PAGES = ("index", "figures", "claims", "equations", "tables", "run", "glossary")
 
 
 def remove(report: Path) -> None:

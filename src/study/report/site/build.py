@@ -33,7 +33,8 @@ from study.report.site.figures import (
     studies_behind,
 )
 from study.report.site.formula import prose
-from study.report.site.graph import needs, users
+from study.report.site.glossary import definitions
+from study.report.site.graph import needs
 from study.report.site.ledgers import read_rows
 from study.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
 from study.report.site.record import Record, Rule
@@ -48,20 +49,11 @@ COPIED = {
     "data": ("*.csv",),
 }
 ARCHIVE = "files/figures.zip"
-# Shown at the head of the front page: the main picture, and three more.
-FIRST = ("evidence", "capture_laws", "rival_restitution", "oblique_rebounds")
+# Figures whose findings are at the head of the front page, that of the main picture first.
+FIRST = ("evidence", "capture_laws", "rival_restitution")
 # Claims that decide most of the article's argument.
 FIRST_CLAIMS = frozenset(("C03", "C09", "C16", "C19", "C27", "C34", "C36", "C43", "C45", "C66"))
 
-CLAIM_COLUMNS = (
-    *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
-    *("unit", "verdict", "figures", "note"),
-)
-# Of a ledger of claims; those of earlier versions have none of these.
-LATER_COLUMNS = (
-    *("margin", "shares", "decided_by", "independent", "code", "inputs"),
-    *("changed_inputs", "reason", "quote"),
-)
 # Tables with rows of single claims.
 PARTS_OF_CLAIMS = {
     "results": "results",
@@ -71,18 +63,8 @@ PARTS_OF_CLAIMS = {
 }
 # Tables that the page of claims shows below them.
 BESIDE = ("rival_explanations", "capture_evidence", "rival_forces", "external_evidence")
-EQUATION_COLUMNS = (
-    *("equation", "section", "printed", "used", "verdict", "kind_of_slip", "reason", "function"),
-    *("consequence", "consequence_value", "consequence_unit", "derivation_printed"),
-    *("derivation_used", "dimension_printed", "dimension_used", "evidence"),
-)
-ERRATA_COLUMNS = ("where", "printed", "meant", "reason")
 # In the words of a rule: a table, then what it holds.
 _TOLD = re.compile(r"((?:tables|data)/\w+\.csv): ([^;]+?)(?:[;.] |\.?$)")
-INPUT_COLUMNS = (
-    *("file", "key", "value", "low", "high", "unit", "evidence", "source"),
-    *("origin", "overrides"),
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,7 +103,7 @@ def write_site(results: Path, record: Record) -> list[Path]:
     Raises
     ------
     ValueError
-        If there is nothing to show, or a ledger lacks a column.
+        If there is nothing to show.
     """
     pages = site_pages(results, record)
     report = results / REPORT
@@ -160,10 +142,10 @@ def _visible(folder: Path, pattern: str) -> list[Path]:
 
 def site_pages(results: Path, record: Record) -> dict[str, str]:
     """Return the text of each page by its place in the report."""
-    ledger = read_rows(results / "tables/claims.csv", CLAIM_COLUMNS)
-    claims = [dict.fromkeys(LATER_COLUMNS, "") | row for row in ledger]
-    equations = read_rows(results / "tables/equations.csv", EQUATION_COLUMNS)
-    declared = read_rows(results / "tables/inputs.csv", INPUT_COLUMNS)
+    claims, equations, errata, declared = (
+        read_rows(results / f"tables/{name}.csv")
+        for name in ("claims", "equations", "errata", "inputs")
+    )
     shown = figures(results, record, {"claims": claims, "equations": equations}, declared)
     by_name = {figure.name: figure for figure in shown}
     tables = _tables(results, record, shown)
@@ -181,7 +163,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         },
         "equations": equations,
         "beside": {name: read_rows(results / f"tables/{name}.csv") for name in BESIDE},
-        "errata": read_rows(results / "tables/errata.csv", ERRATA_COLUMNS),
+        "errata": errata,
         "claim_counts": ledgers.counts(ledgers.counted(claims), ledgers.CLAIM_VERDICTS),
         **{
             name: ledgers.by_claim(read_rows(results / f"tables/claim_{table}.csv"))
@@ -201,16 +183,17 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "tables": tables,
         # No link to an explorer that was not written.
         "navigation": [e for e in NAVIGATION if explored or e[0] != EXPLORER],
-        "needed": needs(record.rules),
-        "used": users(needs(record.rules)),
+        "explored": explored,
+        "definitions": definitions(),
     }
-    wide = {"claims", "equations", "tables", "workflow"}
+    wide = {"index", "figures", "claims", "equations", "tables"}
     pages = {
         f"{name}.html": render(f"{name}.html", **common, here=name, wide=name in wide)
         for name in PAGES
     }
     named = [name for row in claims for name in row["code"].split()]
     named += [row["function"] for row in equations]
+    named += [name for figure in shown for name in figure.code.values()]
     parts = common["results"], common["shares"], common["amendments"]
     commit = str(record.git.get("commit") or "") or None
     return (

@@ -46,7 +46,7 @@ def chains_json(claims: Iterable[Row], commit: str | None) -> str:
     commit
         Of the run's project, if it is known.
     """
-    graphs = [graph for row in claims if row["quote"] for graph in _chain(row, commit)]
+    graphs = [graph for row in claims if row.get("quote") for graph in _chain(row, commit)]
     return json.dumps({"@context": CONTEXT, "@graph": graphs}, indent=1, ensure_ascii=False) + "\n"
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 from study import studies
 from study.ledgers.claims.words import in_words
@@ -23,6 +24,15 @@ TABLES = {
     "contacts": "contacts",
     "printed": "printed_values",
     "external": "external",
+}
+# Values of a study that say which impact it computes, and the fields of the explorer.
+EXPLORED = {
+    "case": "contact",
+    "diameter_um": "d",
+    "speed_m_per_s": "v",
+    "angle_deg": "angle",
+    "spin_rad_per_s": "spin",
+    "friction": "f",
 }
 _MICROMETRE = re.compile(r"\bum\b")
 _ITEM = re.compile(r"\[\d+\]$")
@@ -40,8 +50,6 @@ class Marks:
 class Inputs:
     """Inputs of one study: values of its branch and rows of the declared tables."""
 
-    study: str
-    purpose: str
     values: tuple[Row, ...]
     rows: tuple[Row, ...]
 
@@ -50,7 +58,8 @@ class Inputs:
 class Figure:
     """One figure: words, files relative to the results, inputs, equations and claims.
 
-    Tables of its study that belong beside it have a sentence each.
+    Tables of its study that belong with it have a sentence each, functions of its code a role.
+    `explorer` is the fragment that opens the explorer with its impact; empty if it has none.
     """
 
     name: str
@@ -64,7 +73,10 @@ class Figure:
     data: tuple[str, ...]
     tables: Mapping[str, str]
     marks: tuple[Marks, ...]
-    inputs: tuple[Inputs, ...]
+    inputs: Inputs
+    upstream: tuple[str, ...]
+    code: Mapping[str, str]
+    explorer: str
     departures: tuple[Row, ...]
     contacts: tuple[str, ...]
     equations: tuple[Row, ...]
@@ -111,12 +123,8 @@ def figures(
     """
     needed = needs(record.rules)
     calibration = read_rows(results / "tables/calibration.csv")
-    drawn = [entry["study"] for entry in record.figures.values()]
     rules = {rule.name: rule for rule in record.rules}
-    behind = {
-        study: _inputs(rules.get(study, Rule(name=study)), declared)
-        for study in dict.fromkeys(s for name in drawn for s in (name, *upstream(name, needed)))
-    }
+    homes = studies.homes()
     there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
 
     def figure(name: str) -> Figure:
@@ -133,11 +141,17 @@ def figures(
             data=data,
             tables={file: words for file, words in tables.items() if (results / file).is_file()},
             marks=_marks([results / file for file in data], entry.get("panels", {})),
-            inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
+            inputs=_inputs(rules.get(study, Rule(name=study)), declared),
+            upstream=upstream(study, needed),
+            code={
+                "drawing": f"{entry['module']}.{entry.get('function', 'draw')}",
+                "analysis": f"{homes.get(study, '')}.run",
+            },
+            explorer=explored(study, declared),
             departures=departures(declared, [study], needed),
             contacts=()
             if ".schematics." in entry["module"]
-            else _named(contacts(study, declared, calibration), entry),
+            else contacts(entry, declared, calibration),
             equations=tuple(
                 row for row in ledgers["equations"] if row["equation"] in entry.get("equations", ())
             ),
@@ -201,11 +215,21 @@ def _inputs(rule: Rule, declared: Sequence[Row]) -> Inputs:
         if row["file"] == "config" and row["key"].startswith(f"{rule.name}.")
     ]
     return Inputs(
-        study=rule.name,
-        purpose=rule.purpose,
         values=tuple(joined(values)),
         rows=tuple(row for row in declared if (row["file"], owner(row)) in named),
     )
+
+
+def explored(study: str, declared: Sequence[Row]) -> str:
+    """Return the state of the explorer for the impact of a study, empty without a single one."""
+    values = {
+        row["key"].removeprefix(f"{study}."): row["value"]
+        for row in declared
+        if row["file"] == "config" and row["key"].startswith(f"{study}.")
+    }
+    if not {"case", "speed_m_per_s"} <= set(values):
+        return ""
+    return urlencode({field: values[key] for key, field in EXPLORED.items() if key in values})
 
 
 def departures(
@@ -218,38 +242,25 @@ def departures(
     )
 
 
-def contacts(study: str, declared: Sequence[Row], calibration: Sequence[Row]) -> tuple[str, ...]:
-    """Return the calibrated contacts that a study names, each in words with its parameters.
+def contacts(
+    entry: Mapping[str, Any], declared: Sequence[Row], calibration: Sequence[Row]
+) -> tuple[str, ...]:
+    """Return the calibrated contacts that a figure names, or else all that its study uses.
 
-    A case is named by a value, as ``case``, or it is the name of a branch of the study.
+    A study names one by a value, as ``case``, or by a branch.
+
+    Parameters
+    ----------
+    entry
+        Of the figure in the registry.
+    declared, calibration
+        Rows of the tables of inputs and of the calibration.
     """
-    branch = [row for row in declared if row["key"].startswith(f"{study}.")]
+    branch = [row for row in declared if row["key"].startswith(f"{entry['study']}.")]
     values, keys = {row["value"] for row in branch}, "\n".join(f"{row['key']}." for row in branch)
-    cases: dict[str, dict[str, float]] = {}
-    for row in calibration:
-        case = row["case"]
-        if row["role"] == "parameter" and (case in values or f".{case}." in keys):
-            cases.setdefault(case, {})[row["quantity"]] = float(row["value"])
-    symbols = {
-        "w_A": ("work_of_adhesion", "J/m²"),
-        "c_H": ("hertz_damping", "s/m"),
-        "c_A": ("adhesion_damping", "s/m"),
-        "n": ("adhesion_rate_exponent", ""),
-    }
-    return tuple(
-        f"{case}: "
-        + ", ".join(
-            f"{symbol} = {parameters[name]:.4g} {unit}".rstrip()
-            for symbol, (name, unit) in symbols.items()
-        )
-        for case, parameters in cases.items()
-    )
-
-
-def _named(words_of_contacts: tuple[str, ...], entry: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the contacts that the words of a figure name; all of its study if they name none."""
-    named = tuple(words for words in words_of_contacts if words.partition(":")[0] in str(entry))
-    return named or words_of_contacts
+    cases = dict.fromkeys(row["case"] for row in calibration)
+    used = [case for case in cases if case in values or f".{case}." in keys]
+    return tuple([case for case in used if case in str(entry)] or used)
 
 
 # The study of all claims; each rests on the tables that it was computed from.

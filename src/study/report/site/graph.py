@@ -16,11 +16,6 @@ def needs(rules: Sequence[Rule]) -> dict[str, tuple[str, ...]]:
     }
 
 
-def users(needed: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
-    """Return for each rule the rules that need it."""
-    return {name: [user for user in needed if name in needed[user]] for name in needed}
-
-
 def upstream(name: str, needed: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
     """Return all rules that a rule depends on, the nearest first."""
     rules: dict[str, None] = {}

@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from study.ledgers.claims.changed import OF_ANOTHER
 from study.ledgers.claims.criteria import UNCOUNTED
-from study.ledgers.claims.words import readable, with_unit
+from study.ledgers.claims.words import bounds, fails, in_words, number, readable, with_unit
 from study.report.site.formula import mathml
 
 Row = dict[str, str]
@@ -46,10 +46,6 @@ EQUATION_VERDICTS = {
 CONTRADICTION = "contradiction"
 
 
-class MissingColumnError(ValueError):
-    """A ledger that lacks a column the site shows."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Count:
     """How many rows have a verdict, and where its bar begins and ends, in percent of all."""
@@ -61,18 +57,12 @@ class Count:
     share: float
 
 
-def read_rows(path: Path, columns: Sequence[str] = ()) -> list[Row]:
-    """Return the rows of a table as text; none if there is no such file.
-
-    Raises MissingColumnError if the table lacks one of the columns.
-    """
+def read_rows(path: Path) -> list[Row]:
+    """Return the rows of a table as text; none if there is no such file."""
     if not path.is_file():
         return []
     with path.open(encoding="utf-8", newline="") as stream:
-        table = csv.DictReader(stream)
-        if missing := [name for name in columns if name not in (table.fieldnames or ())]:
-            raise MissingColumnError(f"{path}: has no column {', '.join(missing)}")
-        return list(table)
+        return list(csv.DictReader(stream))
 
 
 def counts(rows: Sequence[Row], verdicts: Mapping[str, str]) -> tuple[Count, ...]:
@@ -119,6 +109,30 @@ def printed(claim: Row) -> str:
     return with_unit(claim["article_value"], claim["unit"])
 
 
+def here(claim: Row, results: Sequence[Row]) -> str:
+    """Return the outcome of a claim in a sentence: its shares, or the number that decides it."""
+    if claim["shares"]:
+        shares = sorted(float(share.partition(" %")[0]) for share in claim["shares"].split("; "))
+        extent = " to ".join(dict.fromkeys(f"{share:g}" for share in (shares[0], shares[-1])))
+        by = claim["decided_by"].partition(" (")[0]
+        return f"Holds for {extent} % of the drawn contacts{f', depending on the {by}' * bool(by)}."
+    tested = sorted((row for row in results if bounds(row)), key=lambda row: not fails(row))
+    if not tested:
+        return claim["note"]
+    least = tested[0]
+    case = f" for {least['case']}" if least["case"] else ""
+    required = f"required: {bounds(least)}"
+    label = least["label"]
+    return f"{label[:1].upper()}{label[1:]} is {number(least)}{case} ({required})."
+
+
+def margin(text: str) -> str:
+    """Return in words how far the number that decides is from its bound."""
+    distance = float(text)
+    side = "beyond" if distance < 0 else "within"
+    return f"{readable(abs(distance))} standard errors {side} the bound."
+
+
 def anchor(prefix: str, name: str) -> str:
     """Return an id for an element: ``14 total`` gives ``eq-14-total``."""
     return f"{prefix}-" + re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()
@@ -144,9 +158,7 @@ def measure(low: str, unit: str, high: str = "") -> str:
     )
 
 
-def number(text: str) -> str:
-    """Return a number to four digits; other text unchanged."""
-    try:
-        return f"{float(text):.4g}"
-    except ValueError:
-        return text
+def cell(row: Row, low: str, high: str = "") -> str:
+    """Return the number or text of a row under a key, or the range under two, in words."""
+    text = measure(row[low], row.get("unit", ""), row.get(high, ""))
+    return {"True": "yes", "False": "no"}.get(text, in_words(text))

@@ -29,6 +29,8 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
+from study.report.site.glossary import marked
+
 HERE = Path(__file__).parent
 TEMPLATES = HERE / "templates"
 ASSETS = HERE / "assets"
@@ -36,15 +38,15 @@ ASSETS = HERE / "assets"
 # Key, file and words of each entry of the navigation.
 NAVIGATION = (
     ("index", "index.html", "Overview"),
-    ("figures", "index.html#figures", "Figures"),
+    ("figures", "figures.html", "Figures"),
     ("claims", "claims.html", "Claims"),
     ("equations", "equations.html", "Equations"),
     ("explorer", "explorer.html", "Explorer"),
     ("tables", "tables.html", "Tables"),
-    ("workflow", "workflow.html", "Workflow"),
     ("run", "run.html", "This run"),
 )
 
+GLOSSARY = "glossary"
 # The page that another rule writes: the site links to it where it is there.
 EXPLORER = "explorer"
 
@@ -66,7 +68,8 @@ def render(template_name: str, *, templates: Path | None = None, **context: Any)
     jinja2.UndefinedError
         If the template shows something that is not given.
     """
-    return _environment(templates).get_template(template_name).render(**context)
+    text = _environment(templates).get_template(template_name).render(**context)
+    return marked(text, context.get("root", "")) if context.get("here") != GLOSSARY else text
 
 
 @cache

@@ -1,8 +1,7 @@
 """Record of a run for its site, beyond its tables and figures: rules, registry, versions, commit.
 
 The workflow writes it to ``report/record.json``, so that the site of a finished run can be made
-again without the workflow engine. A run without that file is described by its stamp and the shipped
-registry; its rules are not known then.
+again without the workflow engine.
 """
 
 from __future__ import annotations
@@ -16,11 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from microimpact.core.files import write_file
-from microimpact.core.materials import declared_file
-from study.declared.documents import load
-from study.figures.registry import filled
-from study.report.check.results import ResultsError, built, read_json
-from study.run.stamp import STAMP, Change, changes, origin
+from study.report.check.results import built, read_json
+from study.run.stamp import Change, changes, origin
 
 RECORD = "report/record.json"
 # Columns that name a row of a declared table.
@@ -117,27 +113,6 @@ def write_record(results: Path, record: Record) -> None:
 def read_record(results: Path) -> Record:
     """Return the record of a run.
 
-    Raises ResultsError if the folder has neither record nor stamp, or a malformed one.
+    Raises ResultsError if the folder has none, or a malformed one.
     """
-    if (results / RECORD).is_file():
-        return from_plain(read_json(results / RECORD), str(results / RECORD))
-    # Only here is a configuration checked, for which the laboratory is loaded.
-    from study.run.changed import changed_inputs
-    from study.run.config import read_configuration, validate
-
-    if not (results / STAMP).is_file():
-        raise ResultsError(f"{results}: neither {RECORD} nor {STAMP}: no finished run")
-    stamp = read_json(results / STAMP)
-    names = ("seed", "git", "python", "platform", "packages", "config")
-    if missing := [name for name in names if name not in stamp]:
-        raise ResultsError(f"{results / STAMP}: has no {', '.join(missing)}")
-    config = stamp.pop("config")
-    shipped = read_configuration(declared_file("config.yaml").parent)
-    used, as_shipped = validate(config, shipped), validate(shipped, shipped)
-    differing = changed_inputs(used, as_shipped)
-    return Record(
-        **{name: stamp[name] for name in names[:-1]},
-        changes=changes(config, shipped),
-        figures=filled(load(declared_file("figures.yaml")), used.branches, used.pairs, differing),
-        rules=(),
-    )
+    return from_plain(read_json(results / RECORD), str(results / RECORD))

@@ -6,6 +6,7 @@ globalThis.Fields = (() => {
   const ratio = { test: (x) => x > -1 && x <= 0.5, text: "a number above −1 and up to 0.5" };
   const angle = { test: (x) => x > 0 && x <= 90, text: "a number above 0 and up to 90 degrees" };
   const speed = { test: (x) => x > 0 && x < 299792458, text: "greater than 0 and below that of light" };
+  const either = { test: (x) => x > 0, text: "greater than 0, or ∞ for a plane", infinite: true };
   const diameter = { test: (x) => x > 0 && x <= 1e4, text: "greater than 0 and up to 10000 µm" };
   const finite = { test: () => true, text: "a finite number" };
 
@@ -17,6 +18,8 @@ globalThis.Fields = (() => {
     { key: "particle_rho", name: "Density of the particle", factor: 1, allowed: positive },
     { key: "surface_E", name: "Young’s modulus of the surface", factor: 1e9, allowed: positive },
     { key: "surface_nu", name: "Poisson’s ratio of the surface", factor: 1, allowed: ratio },
+    { key: "surface_rho", name: "Density of the surface", factor: 1, allowed: positive },
+    { key: "D", name: "Diameter of the second sphere", unit: "µm", factor: 1e-6, allowed: either },
     { key: "d", name: "Diameter", unit: "µm", factor: 1e-6, curve: "log", low: 0.1, high: 1000, allowed: diameter },
     { key: "w", name: "Work of adhesion", unit: "J/m²", factor: 1, curve: "cubic", low: 0, high: 10, allowed: notNegative },
     { key: "cH", name: "Hertz damping", unit: "s/m", factor: 1, curve: "cubic", low: 0, high: 2, allowed: notNegative },
@@ -27,9 +30,11 @@ globalThis.Fields = (() => {
     { key: "v", name: "Speed", unit: "m/s", factor: 1, curve: "log", low: 0.01, high: 50, allowed: speed },
     { key: "angle", name: "Angle from the surface", unit: "degrees", factor: 1, curve: "linear", low: 0.5, high: 90, allowed: angle },
     { key: "spin", name: "Initial spin", unit: "rad/s", factor: 1, curve: "odd", low: -1e6, high: 1e6, allowed: finite },
+    { key: "spin2", name: "Spin of the second sphere", factor: 1, allowed: finite },
   ];
   const byKey = Object.fromEntries(list.map((field) => [field.key, field]));
 
+  const PLANE = "∞";
   const BASES = ["compressive", "hertz", "net"];
 
   /** Slider positions run from 0 to 1. */
@@ -54,14 +59,17 @@ globalThis.Fields = (() => {
   /** The number that a text means; NaN if none. A comma may replace the point. */
   function parsed(text) {
     const plain = text.trim().replace("−", "-").replace(",", ".");
+    if (plain === PLANE || plain === "inf") return Infinity;
     return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
   }
 
   /** Every text that is no admissible number, as {key, message}, in the order of the form. */
   function problems(texts) {
+    const isPlane = parsed(texts.D) === Infinity;
     return list.flatMap(({ key, name, allowed }) => {
       const value = parsed(texts[key]);
-      if (Number.isFinite(value) && allowed.test(value)) return [];
+      if (key === "spin2" && isPlane && value !== 0) return [{ key, message: `${name}: a plane does not spin.` }];
+      if ((Number.isFinite(value) || allowed.infinite) && allowed.test(value)) return [];
       const given = texts[key].trim() === "" ? "is empty" : `“${texts[key].trim()}”`;
       return [{ key, message: `${name} ${given}: it must be ${allowed.text}.` }];
     });
@@ -76,8 +84,13 @@ globalThis.Fields = (() => {
         poissons_ratio: si("particle_nu"),
         density: si("particle_rho"),
       },
-      surface: { youngs_modulus: si("surface_E"), poissons_ratio: si("surface_nu") },
+      surface: {
+        youngs_modulus: si("surface_E"),
+        poissons_ratio: si("surface_nu"),
+        density: si("surface_rho"),
+      },
       diameter: si("d"),
+      partner_diameter: si("D"),
       work_of_adhesion: si("w"),
       hertz_damping: si("cH"),
       adhesion_damping: si("cA"),
@@ -87,6 +100,7 @@ globalThis.Fields = (() => {
       speed: si("v"),
       angle: si("angle"),
       spin: si("spin"),
+      partner_spin: si("spin2"),
       basis,
     };
   }
@@ -96,7 +110,10 @@ globalThis.Fields = (() => {
     return String(Number((value / byKey[key].factor).toPrecision(6)));
   }
 
-  /** The texts of a state as a fragment of an address, and back; unknown keys are left out. */
+  /**
+   * The texts of a state as a fragment of an address, and back; unknown keys are left out. Where it
+   * names a contact, the texts are of what differs from that contact.
+   */
   function toFragment(texts, basis) {
     return new URLSearchParams({ ...texts, basis }).toString();
   }
@@ -105,10 +122,10 @@ globalThis.Fields = (() => {
     const given = Object.fromEntries(new URLSearchParams(fragment.replace(/^#/, "")));
     const known = Object.entries(given).filter(([key]) => key in byKey);
     const basis = BASES.includes(given.basis) ? given.basis : null;
-    return { texts: Object.fromEntries(known), basis };
+    return { texts: Object.fromEntries(known), basis, contact: given.contact };
   }
 
   return {
-    list, byKey, BASES, position, atPosition, parsed, problems, shown, toFragment, fromFragment, toArguments,
+    list, byKey, BASES, PLANE, position, atPosition, parsed, problems, shown, toFragment, fromFragment, toArguments,
   };
 })();

@@ -8,17 +8,25 @@ globalThis.Explorer = (() => {
   const slipPerImpulse = 1 + 1 / inertia;
 
   // ---- normal motion ------------------------------------------------------------------------
-  /** Stiffness (20, 21), ring force (30) and the scales of a contact. */
+  /**
+   * Stiffness (20, 21), ring force (30) and the scales of a contact.
+   *
+   * `size` is the radius of the second sphere over the first's, infinite for a plane, and `share` the
+   * reduced mass over the sphere's: 1 on a plane.
+   */
   function scales(c) {
     const compliance = (body) => (1 - body.poissons_ratio ** 2) / (Math.PI * body.youngs_modulus);
     const radius = c.diameter / 2;
+    const size = c.partner_diameter / c.diameter;
+    const share = 1 / (1 + c.particle.density / c.surface.density / size ** 3);
     const stiffness = 4 / (3 * Math.PI * (compliance(c.particle) + compliance(c.surface)));
-    const mass = (c.particle.density * Math.PI * c.diameter ** 3) / 6;
-    const ring = Math.cbrt((9 * stiffness * radius * c.work_of_adhesion ** 2) / (2 * Math.PI));
-    const spring = Math.sqrt(radius) * stiffness;
+    const mass = (share * c.particle.density * Math.PI * c.diameter ** 3) / 6;
+    const effective = radius / (1 + 1 / size);
+    const ring = Math.cbrt((9 * stiffness * effective * c.work_of_adhesion ** 2) / (2 * Math.PI));
+    const spring = Math.sqrt(effective) * stiffness;
     const equilibrium = (2 * Math.PI * ring) / stiffness;
     const velocity = Math.sqrt((spring * equilibrium ** 2.5) / mass);
-    return { radius, stiffness, mass, ring_force: ring, spring, equilibrium, velocity };
+    return { radius, size, share, stiffness, mass, ring_force: ring, spring, equilibrium, velocity };
   }
 
   /** Coefficient c_A that acts at a normal speed. */
@@ -84,10 +92,11 @@ globalThis.Explorer = (() => {
   // ---- oblique impact -----------------------------------------------------------------------
   /** Friction's impulse per mass against the slip, and whether the sphere ends rolling. */
   function friction(c, normal, slip, speed) {
+    const pressed = c.friction > 0 ? Infinity : 0;
     const available = normal.captured
-      ? Infinity
+      ? pressed
       : { compressive: normal.compressive, hertz: normal.hertz, net: normal.peak_net }[c.basis];
-    const rolling = normal.captured || slipPerImpulse * c.friction * available >= slip;
+    const rolling = slipPerImpulse * c.friction * available >= slip;
     const sliding = c.basis === "net" ? (1 + normal.e) * speed : available;
     return { rolling, size: rolling ? slip / slipPerImpulse : c.friction * sliding };
   }
@@ -113,26 +122,28 @@ globalThis.Explorer = (() => {
   /**
    * Outcome of one impact.
    *
-   * `c` has particle {youngs_modulus, poissons_ratio, density}, surface {youngs_modulus,
-   * poissons_ratio}, diameter, work_of_adhesion, hertz_damping, adhesion_damping,
-   * adhesion_rate_exponent, reference_velocity, friction, basis, speed, angle (degrees from the
-   * surface) and spin.
+   * `c` has particle and surface {youngs_modulus, poissons_ratio, density}, diameter,
+   * partner_diameter (of a second sphere, of the surface's material; infinite for a plane),
+   * work_of_adhesion, hertz_damping, adhesion_damping, adhesion_rate_exponent, reference_velocity,
+   * friction, basis, speed, angle (degrees from the surface), spin and partner_spin.
+   *
+   * Two spheres move, relative to each other, as one of the reduced mass with the spin of both.
    */
   function impact(c, scale = scales(c)) {
     const v = {
       n: c.speed * Math.sin((c.angle * Math.PI) / 180),
       t: c.speed * Math.sin(((90 - c.angle) * Math.PI) / 180),
-      spin: c.spin,
+      spin: c.partner_spin === 0 ? c.spin : c.spin + scale.size * c.partner_spin,
     };
     const normal = normalImpact(c, scale, v.n);
     if (normal.unsolved) return { unsolved: true, damping: normal.damping };
-    const slip = v.t - scale.radius * c.spin;
+    const slip = v.t - scale.radius * v.spin;
     const { rolling, size } = friction(c, normal, Math.abs(slip), v.n);
     const change = Math.sign(slip) * size;
     const turn = change / (inertia * scale.radius);
-    const after = { n: normal.e * v.n, t: v.t - change, spin: c.spin + turn };
+    const after = { n: normal.e * v.n, t: v.t - change, spin: v.spin + turn };
     const linear = c.speed ** 2 - after.n ** 2 - after.t ** 2;
-    const rotational = -change * scale.radius * (c.spin + after.spin);
+    const rotational = -change * scale.radius * (v.spin + after.spin);
     return {
       unsolved: false,
       captured: normal.captured,
@@ -144,7 +155,8 @@ globalThis.Explorer = (() => {
       contact_time: normal.contact_time,
       normal_velocity: after.n,
       tangential_velocity: after.t,
-      spin: after.spin,
+      spin: c.spin + scale.share * turn,
+      partner_spin: c.partner_spin + ((1 - scale.share) / scale.size) * turn,
       translational_energy_loss: linear / c.speed ** 2,
       energy_loss: (linear + rotational) / c.speed ** 2,
       shares: shares(c, v, after, normal, scale.radius),

@@ -8,14 +8,14 @@ globalThis.Page = (() => {
   const OWN = "own numbers";
   const CHOICES = {
     particle: ["particle_E", "particle_nu", "particle_rho"],
-    surface: ["surface_E", "surface_nu"],
+    surface: ["surface_E", "surface_nu", "surface_rho"],
   };
   const CONTACT = {
     d: "diameter", w: "work_of_adhesion", cH: "hertz_damping", cA: "adhesion_damping",
     n: "adhesion_rate_exponent", vN: "reference_velocity", f: "friction",
   };
   const MATERIAL = { E: "youngs_modulus", nu: "poissons_ratio", rho: "density" };
-  const START = { case: "steel-silicon, n = 1", v: "1.66", angle: "45", spin: "0", vN: "1.66" };
+  const START = { case: "steel-silicon, n = 1", v: "1.66", angle: "45", spin: "0", spin2: "0", vN: "1.66" };
 
   // ---- choices ------------------------------------------------------------------------------
   function fillChoices() {
@@ -46,6 +46,7 @@ globalThis.Page = (() => {
     const contact = numbers.contacts.find((c) => c.contact === name);
     if (!contact) return;
     for (const role of Object.keys(CHOICES)) setMaterial(role, contact[role]);
+    byId("D").value = Fields.PLANE;
     for (const [key, property] of Object.entries(CONTACT)) {
       if (contact[property] !== null) byId(key).value = Fields.shown(key, contact[property]);
     }
@@ -61,7 +62,7 @@ globalThis.Page = (() => {
       byId(role).value = found ? found.material : OWN;
     }
     const equal = (c) =>
-      c.particle === byId("particle").value && c.surface === byId("surface").value &&
+      Fields.parsed(now.D) === Infinity && c.particle === byId("particle").value && c.surface === byId("surface").value &&
       Object.entries(CONTACT).every(([key, name]) => c[name] === null || same(key, c[name]));
     byId("contact").value = numbers.contacts.find(equal)?.contact ?? OWN;
   }
@@ -107,6 +108,7 @@ globalThis.Page = (() => {
     say("V", speedText(speed) + (found.captured && speed > 0 ? ", rolling" : ""));
     say("rebound_angle", found.captured ? "stays" : `${digits(lift)}°`);
     say("Omega", spinText(found.spin));
+    say("Omega2", Number.isFinite(scale.size) ? spinText(found.partner_spin) : "a plane");
     say("time", timeText(found.contact_time));
     say("TL", digits(found.translational_energy_loss));
     say("total", digits(found.energy_loss));
@@ -119,7 +121,7 @@ globalThis.Page = (() => {
     const e = digits(found.coefficient_of_restitution, 3);
     byId("verdict").dataset.outcome = found.captured ? "captured" : "rebound";
     const text = found.captured
-      ? "Captured: the sphere stays on the surface."
+      ? `Captured: ${Number.isFinite(scale.size) ? "the spheres stay together" : "the sphere stays on the surface"}.`
       : `Rebounds, ${motion}: e = ${e}, impulse ratio ${digits(found.impulse_ratio, 3)}.`;
     if (byId("verdict").textContent !== text) byId("verdict").textContent = text;
   }
@@ -196,13 +198,14 @@ globalThis.Page = (() => {
   }
 
   function begin() {
-    for (const key of ["v", "angle", "spin", "vN"]) byId(key).value = START[key];
+    for (const key of ["v", "angle", "spin", "spin2", "vN"]) byId(key).value = START[key];
     byId("basis").value = Fields.BASES[0];
     setContact(numbers.contacts.some((c) => c.contact === START.case) ? START.case : numbers.contacts[0].contact);
   }
 
   function restore() {
-    const { texts: given, basis } = Fields.fromFragment(location.hash);
+    const { texts: given, basis, contact } = Fields.fromFragment(location.hash);
+    if (contact) setContact(contact);
     for (const [key, text] of Object.entries(given)) byId(key).value = text;
     if (basis) byId("basis").value = basis;
     update();

@@ -3,7 +3,7 @@
 globalThis.Plots = (() => {
   const SVG = "http://www.w3.org/2000/svg";
   const [WIDTH, HEIGHT] = [440, 290];
-  const FRAME = { left: 52, right: 14, top: 16, bottom: 44 };
+  const FRAME = { left: 66, right: 14, top: 16, bottom: 44 };
 
   function element(name, attributes = {}, text = "") {
     const made = document.createElementNS(SVG, name);
@@ -71,6 +71,9 @@ globalThis.Plots = (() => {
     svg.append(grid);
     const title = { x: FRAME.left + inner.w / 2, y: HEIGHT - 6, "text-anchor": "middle", class: "axis" };
     svg.append(element("text", title, x.label));
+    const middle = FRAME.top + inner.h / 2;
+    const upright = { x: 16, y: middle, transform: `rotate(-90 16 ${middle})`, "text-anchor": "middle", class: "axis" };
+    svg.append(element("text", upright, y.label));
     for (const layer of layers) drawLayer(svg, layer, px, py, { ...FRAME, bottom, w: inner.w });
   }
 
@@ -143,17 +146,21 @@ globalThis.Plots = (() => {
     svg.append(element("circle", { cx: centre[0], cy: centre[1], r: BALL, class: `ball ${className}` }));
   }
 
-  /** Velocities before and after, to one scale: {n, t, spin} with spin as r omega / v. */
-  function sketch(svg, { before, after, captured, label, texts }) {
+  /** Velocities before and after, to one scale: {n, t, spin} with spin as r omega / v; `size` of the partner. */
+  function sketch(svg, { before, after, captured, size, label, texts }) {
     svg.setAttribute("viewBox", `0 0 ${WIDTH} ${HEIGHT}`);
     svg.setAttribute("aria-label", label);
     svg.replaceChildren();
-    svg.append(element("rect", { x: 0, y: GROUND, width: WIDTH, height: 12, class: "ground" }));
-    svg.append(element("line", { x1: 0, x2: WIDTH, y1: GROUND, y2: GROUND, class: "surface" }));
-    const size = Math.hypot(before.n, before.t);
-    const reach = 165 * Math.min(1, size / Math.hypot(after.n, after.t));
+    // The second sphere, as far as it is seen; a plane is a very large one.
+    const r = BALL * Math.min(size, 1e5);
+    const half = r > WIDTH / 2 ? Math.asin(WIDTH / 2 / r) : Math.PI;
+    const angles = Array.from({ length: 65 }, (_, i) => half * (i / 32 - 1));
+    const edge = angles.map((a) => [WIDTH / 2 + r * Math.sin(a), GROUND + r - r * Math.cos(a)]);
+    svg.append(element("polyline", { points: joined(edge), class: "ground" }));
+    const speed = Math.hypot(before.n, before.t);
+    const reach = 165 * Math.min(1, speed / Math.hypot(after.n, after.t));
     const touch = [WIDTH / 2, GROUND - BALL];
-    const way = (v) => [(reach * v.t) / size, (-reach * v.n) / size];
+    const way = (v) => [(reach * v.t) / speed, (-reach * v.n) / speed];
     const incoming = way({ n: -before.n, t: before.t });
     const start = [touch[0] - incoming[0], touch[1] - incoming[1]];
     const outgoing = way(after);

@@ -23,7 +23,7 @@ globalThis.Views = (() => {
     layers.push({ kind: "point", at: [now, e], className: found.captured ? "captured" : "" });
     const axes = {
       x: { low, high, log: true, label: "normal speed, m/s" },
-      y: { low: 0, high: 1, step: 0.2 },
+      y: { low: 0, high: 1, step: 0.2, label: "restitution e" },
       label: `Coefficient of restitution against normal speed; here ${digits(e, 3)} at ${speedText(now)}.`,
     };
     Plots.chart(svg, axes, layers);
@@ -38,7 +38,7 @@ globalThis.Views = (() => {
     const band = { kind: "band", from: 0, to: critical, text: "captured" };
     const mark = found.captured ? "captured" : "";
     const x = { low: 0, high: 90, step: 15, label: "angle from the surface, degrees" };
-    const draw = (svg, columns, floor, ceiling, name) => {
+    const draw = (svg, columns, floor, ceiling, axis, name) => {
       const rebounds = sweep.filter(([, o]) => !o.captured);
       const all = [found, ...rebounds.map(([, o]) => o)].flatMap((o) => columns.map(([key]) => o[key]));
       const low = Math.min(floor, ...all);
@@ -48,6 +48,7 @@ globalThis.Views = (() => {
         low: Math.floor(low / step + 1e-9) * step,
         high: Math.ceil(high / step - 1e-9) * step,
         step,
+        label: axis,
       };
       const curves = columns.flatMap(([key, className]) => [true, false].map((captured) => ({
         kind: "curve",
@@ -68,8 +69,8 @@ globalThis.Views = (() => {
     };
     const losses = [["energy_loss", "main"], ["translational_energy_loss", "second"]];
     const roof = Math.max(c.friction * 1.1, 1e-3);
-    draw(svgs.ratio, [["impulse_ratio", "main"]], 0, roof, "Impulse ratio");
-    draw(svgs.loss, losses, 0, 1, "Energy loss, total and of translation,");
+    draw(svgs.ratio, [["impulse_ratio", "main"]], 0, roof, "impulse ratio −μ", "Impulse ratio");
+    draw(svgs.loss, losses, 0, 1, "share of the energy lost", "Energy loss, total and of translation,");
   }
 
   function sketch(svg, c, scale, found) {
@@ -79,6 +80,7 @@ globalThis.Views = (() => {
       before: { n: found.normal_speed, t: found.tangential_speed, spin: spin(c.spin) },
       after: { n: found.normal_velocity, t: found.tangential_velocity, spin: spin(found.spin) },
       captured: found.captured,
+      size: scale.size,
       texts: {
         before: `before: ${speedText(c.speed)}`,
         after: found.captured && V === 0 ? "stays" : `${found.captured ? "rolls on" : "after"}: ${speedText(V)}`,

@@ -1,26 +1,7 @@
-// Sorting, filtering and enlarging; without it every page can be read in full.
+// Sorting and filtering; without it every page can be read in full.
 "use strict";
 (() => {
   const each = (selector, act, root = document) => root.querySelectorAll(selector).forEach(act);
-
-  // Light and dark.
-  const isDark = () => {
-    const chosen = document.documentElement.dataset.theme;
-    return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-  };
-  const toggle = document.querySelector("button.theme");
-  if (toggle) {
-    const name = () => { toggle.textContent = isDark() ? "Light" : "Dark"; };
-    name();
-    toggle.hidden = false;
-    toggle.setAttribute("aria-label", "Change between light and dark");
-    toggle.addEventListener("click", () => {
-      const next = isDark() ? "light" : "dark";
-      document.documentElement.dataset.theme = next;
-      try { localStorage.setItem("theme", next); } catch { /* for this page alone */ }
-      name();
-    });
-  }
 
   // Tables sorted by a column; equal rows keep their order.
   const compare = new Intl.Collator("en", { numeric: true, sensitivity: "base" }).compare;
@@ -78,25 +59,5 @@
     };
     addEventListener("hashchange", reveal);
     reveal();
-  });
-
-  // A figure at the size of the window.
-  each("a.zoom", (link) => {
-    const dialog = document.createElement("dialog");
-    dialog.className = "large";
-    const picture = link.querySelector("img").cloneNode();
-    const close = document.createElement("button");
-    close.type = "button";
-    close.textContent = "Close";
-    close.addEventListener("click", () => dialog.close());
-    dialog.setAttribute("aria-label", "Figure, enlarged");
-    dialog.append(close, picture);
-    dialog.addEventListener("click", (event) => { if (event.target !== close) dialog.close(); });
-    document.body.append(dialog);
-    link.addEventListener("click", (event) => {
-      if (event.ctrlKey || event.metaKey || event.shiftKey) return;
-      event.preventDefault();
-      dialog.showModal();
-    });
   });
 })();
