@@ -192,7 +192,7 @@ def test_the_header_holds_for_two_spheres_by_the_shares_that_it_states(pair, com
     assert spins[0] + share * (spin - joint) == pytest.approx(expected.spin, rel=1e-6)
     assert spins[1] + other * (spin - joint) == pytest.approx(expected.partner_spin, rel=1e-6)
     for form in WALL_FORMATS:
-        with pytest.raises(ValueError, match="two spheres have c, csv and npz"):
+        with pytest.raises(ValueError, match="two spheres have c, csv, npz, yade"):
             export(spheres, tmp_path, form, FASTEST)
 
 
