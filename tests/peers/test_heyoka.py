@@ -15,9 +15,9 @@ pytest.importorskip("heyoka", reason="heyoka is not installed; make test-peers r
 if platform.machine() not in {"x86_64", "AMD64"}:
     pytest.skip("80-bit numbers are an affair of x86 processors", allow_module_level=True)
 
-from benchmarks.cases import judge, make_cases
-from benchmarks.own import Kernel
-from benchmarks.taylor import Batch, Reference, Scalar
+from benchmarks.cases import judge, make_cases, make_jkr_cases
+from benchmarks.own import Jkr, Kernel
+from benchmarks.taylor import Batch, JkrReference, Reference, Scalar
 from tests.peers.heyoka_impact import impact
 
 AGREEMENT = 1e-12
@@ -101,3 +101,10 @@ def test_the_peers_of_the_benchmark_solve_the_same_problem(peer: type) -> None:
         errors = judge(method(cases, 1e-12)(), reference)
         assert errors.wrong == 0
         assert errors.largest < AGREEMENT
+
+
+@pytest.mark.parametrize("name", ["jkr-pair", "viscous-jkr-pair"])
+def test_two_jkr_spheres(name: str) -> None:
+    cases = make_jkr_cases(60, name)
+    errors = judge(Jkr(cases, 0.0)(), JkrReference(cases, *JkrReference.settings)())
+    assert errors.largest < AGREEMENT

@@ -432,9 +432,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
 @click.option(
     "--tolerance", type=float, default=1e-6, show_default=True, help="Error of e and impulse."
 )
-@click.option(
-    "--speeds", type=Sweep(), help="Of the fit of lammps-jkr, m/s; default 1.5 to 15 times v_c."
-)
+@click.option("--speeds", type=Sweep(), help="Of fitted coefficients, m/s; default 1.5 to 15 v_c.")
 @_basis_option
 def export_command(
     form: str,

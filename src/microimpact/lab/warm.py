@@ -27,6 +27,7 @@ from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.empirical.comparison import compare_models
 from microimpact.model.empirical.data import data_sets
 from microimpact.model.empirical.search import fit_batch
+from microimpact.model.law.codes import lethe
 from microimpact.model.law.table import tabulate
 
 BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
@@ -53,6 +54,7 @@ def _use_others() -> None:
     """Use fits, the other laws of contact and instruments."""
     speed = np.geomspace(1.0, 10.0, 8)
     normal_impact(Contact(**PAIR, work_of_adhesion=0.1, law=JKR(viscous_time=1e-9)), speed)
+    lethe(CONTACT)(0.1, 0.1, speed)
     fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))
     compare_models(speed, 0.8 - 0.1 / speed, 0.01)
     impacts, rng = _impacts(8), np.random.default_rng(1)

@@ -18,6 +18,9 @@ CALIBRATED = (
 NUMBERS = ("diameter", *CALIBRATED, "friction")
 STIFFNESS_MODELS = ("hertz", "reduced")
 # Forms in which a rebound law is written.
-FORMATS = ("c", "csv", "npz", "fluent", "openfoam", "lammps", "lammps-jkr")
+FORMATS = (
+    *("c", "csv", "npz", "fluent", "openfoam", "acusolve"),
+    *("lammps", "lammps-jkr", "lethe", "yade"),
+)
 # Those of a wall, which a second sphere is not.
-WALL_FORMATS = ("fluent", "openfoam", "lammps", "lammps-jkr")
+WALL_FORMATS = ("fluent", "openfoam", "acusolve", "lammps", "lammps-jkr", "lethe")

@@ -29,7 +29,8 @@ from microimpact.model.contact_laws import RING_FORCE
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import SPEED, chosen_basis, supporting_impulses
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.law.jkr import lammps_files
+from microimpact.model.law.codes import FITTED, acusolve_files
+from microimpact.model.law.jkr import speeds_of_fit
 from microimpact.model.law.pieces import (
     SPLITS,
     TOLERANCES,
@@ -299,7 +300,8 @@ def export(
         ``"c"``: a header in C99 without dependencies, and an example; ``"fluent"``, ``"openfoam"``:
         the same with a boundary condition; ``"csv"``, ``"npz"``: e and the impulses over diameter
         and speed; ``"lammps"``: the force without damping as a table of a wall, for one size;
-        ``"lammps-jkr"``: coefficients of its granular contact ``jkr``, fitted.
+        ``"lammps-jkr"``, ``"lethe"``, ``"yade"``: coefficients of the codes' own contacts, fitted;
+        ``"acusolve"``: a wall's table of e, for one size.
     fastest
         Fastest normal speed, m/s.
     friction_basis
@@ -307,7 +309,7 @@ def export(
     tolerance
         Largest error of e and of the supporting impulse.
     speeds
-        Normal speeds at which ``"lammps-jkr"`` is fitted, m/s; from 1.5 to 15 times the capture
+        Normal speeds at which coefficients are fitted, m/s; from 1.5 to 15 times the capture
         velocity if none are given.
 
     Returns
@@ -326,34 +328,42 @@ def export(
     require_contact(contact, any_law=True, pair=True)
     choice("format", format, FORMATS)
     if contact.is_pair and format in WALL_FORMATS:
-        raise ValueError(f"format {format!r} is of a wall: two spheres have c, csv and npz")
+        others = ", ".join(form for form in FORMATS if form not in WALL_FORMATS)
+        raise ValueError(f"format {format!r} is of a wall: two spheres have {others}")
     if format == "lammps" and contact.law is not None:
         raise ValueError(
             f"format 'lammps' writes the force of the law {RING_FORCE!r}: LAMMPS itself has 'jkr'"
         )
     basis = chosen_basis(contact, friction_basis)
-    if format == "lammps-jkr":
-        return _written(path, lammps_files(contact, speeds))
+    if format in FITTED:
+        return _written(path, FITTED[format](contact, speeds_of_fit(contact, speeds, format)))
     if speeds is not None:
-        raise ValueError(f"speeds are of the format 'lammps-jkr', got format {format!r}")
+        raise ValueError(f"speeds are of {', '.join(FITTED)}, got format {format!r}")
     speed = float(checked("fastest", fastest, SPEED))
     law = rebounds(contact, speed, basis, float(checked("tolerance", tolerance, TOLERANCES)))
-    if format == "lammps" and law.sizes.half_width:
+    if format in {"lammps", "acusolve"} and law.sizes.half_width:
         raise ValueError(
-            "format 'lammps' is of one size: export each diameter into a folder of its own, and "
-            "give each size its own type and wall"
+            f"format {format!r} is of one size: export each diameter into a separate folder"
         )
+    return _written(path, _contents(law, format))
+
+
+def _contents(law: Rebounds, form: str) -> dict[str, str | bytes]:
+    """Contents of the files of a format, by name."""
     contents: dict[str, str | bytes] = {}
-    if format in {"c", "fluent", "openfoam"}:
+    if form in {"c", "fluent", "openfoam"}:
         contents["microimpact_rebound.h"] = _filled("rebound.h", law)
-    if format == "csv":
+    if form == "csv":
         contents["microimpact_rebound.csv"] = _commented(law) + _text(_sampled(law))
-    elif format == "npz":
+    elif form == "npz":
         contents["microimpact_rebound.npz"] = _archive(law)
-    elif format == "lammps":
+    elif form == "lammps":
         contents["microimpact_wall.table"] = _wall_table(law)
-    contents |= {name: _filled(name, law) for name in WORKED.get(format, ())}
-    return _written(path, contents)
+    elif form == "acusolve":
+        columns = _sampled(law)
+        rows = np.array([columns[name] for name in ("normal_speed_m_per_s", "restitution")])
+        contents |= acusolve_files(law, rows, _description(law))
+    return contents | {name: _filled(name, law) for name in WORKED.get(form, ())}
 
 
 def _written(path: Path | str, contents: Mapping[str, str | bytes]) -> list[Path]:

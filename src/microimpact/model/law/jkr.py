@@ -1,15 +1,17 @@
-"""Coefficients of LAMMPS's granular contact ``jkr`` with which it rebounds as a contact does.
+"""Coefficients with which LAMMPS's granular contact ``jkr`` rebounds as a contact does.
 
 Its damping ``viscoelastic`` is the one of `microimpact.model.contact_laws.JKR`: ``eta m a`` times
 the speed of compression, with the contact radius a, so that ``eta = 2 E* A/m``. But its contact
 breaks at the greatest pull, which loses half of JKR's energy. So the surface energy is chosen for
 that break: an impact at the capture velocity just does not rebound. The damping then makes the
-squares of the differences of e the least at the speeds that matter.
+squares of the differences of e the least at the speeds that matter. Other codes' contacts, with
+their damping, are fitted alike (`microimpact.model.law.codes`).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.resources import files
@@ -30,24 +32,26 @@ from microimpact.model.dynamics.normal import normal_impact
 STEPS = 500
 # Of the capture velocity: speeds of the fit where none are asked for.
 FIRST, LAST, COUNT = 1.5, 15.0, 12
+# e at normal speeds (n,), m/s, of a code's contact with a damping and a work of adhesion, J/m2.
+Code = Callable[[float, float, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Coefficients:
-    """Coefficients of a JKR contact with viscous damping, and its restitution beside the model's.
+    """Coefficients of an adhesive contact with damping, and its restitution beside the model's.
 
     Attributes
     ----------
     surface_energy
         gamma, J/m2: half the work of adhesion.
-    viscous_time
-        A, s.
+    damping
+        As the code takes it: of a viscous JKR contact A, s.
     speeds, restitution, fitted
         Normal speeds, m/s, and e of the model and of the contact with these coefficients; (n,).
     """
 
     surface_energy: float
-    viscous_time: float
+    damping: float
     speeds: FloatArray
     restitution: FloatArray
     fitted: FloatArray
@@ -59,16 +63,28 @@ class Coefficients:
 
 
 def jkr_coefficients(contact: Contact, speeds: FloatArray, end: float = PULL_OFF) -> Coefficients:
+    """Coefficients of a viscous JKR contact that breaks at ``end``, in s^3/b; else as `fitted`."""
+    plain = contact.replace(stiffness_model="hertz")
+
+    def rebounds(time: float, work: float, speed: FloatArray) -> FloatArray:
+        return jkr_restitution(plain.by_law(JKR(viscous_time=time), work), speed, end=end)
+
+    return fitted(contact, speeds, rebounds, 1e-3 * float(contact.radius / speeds.max()))
+
+
+def fitted(contact: Contact, speeds: FloatArray, code: Code, damping: float) -> Coefficients:
     """Coefficients with the contact's capture velocity and, as near as may be, its e at speeds.
 
     Parameters
     ----------
     contact
-        A single contact with a surface.
+        A single contact.
     speeds
         Normal speeds, m/s, above its capture velocity, (n,).
-    end
-        s^3/b at which the other code's contact breaks.
+    code
+        The other code's contact.
+    damping
+        Some small damping of it.
 
     Raises
     ------
@@ -83,107 +99,119 @@ def jkr_coefficients(contact: Contact, speeds: FloatArray, end: float = PULL_OFF
             f"speeds must be above the capture velocity {limit:.6g} m/s, got {speeds.min():g}"
         )
     restitution = np.asarray(normal_impact(contact, speeds).coefficient_of_restitution)
-    plain = contact.replace(stiffness_model="hertz")
 
-    def viscous(time: float, work: float) -> Contact:
-        return plain.by_law(JKR(viscous_time=time), work)
-
-    def work_at_capture(time: float) -> float:
+    def work_at_capture(damping: float) -> float:
         if limit == 0.0:
             return 0.0
         slow = np.array([limit])
 
         def stays(work: float) -> bool:
-            return bool(jkr_restitution(viscous(time, work), slow, end=end)[0] == 0.0)
+            return bool(code(damping, work, slow)[0] == 0.0)
 
         most = 0.1
         while not stays(most):
             most *= 4.0
         return float(threshold(stays, 0.0, most, relative=1e-10))
 
-    def fitted(time: float) -> FloatArray:
-        return jkr_restitution(viscous(time, work_at_capture(time)), speeds, end=end)
-
     # Up to where the bulk alone loses more than the model does anywhere.
-    longest = 1e-3 * float(contact.radius / speeds.max())
-    lowest = 0.5 * float(restitution.min())
-    while np.max(jkr_restitution(viscous(longest, 0.0), speeds, end=end)) > lowest:
-        longest *= 2.0
+    largest, lowest = damping, 0.5 * float(restitution.min())
+    while np.max(code(largest, 0.0, speeds)) > lowest:
+        largest *= 2.0
+
+    def misfit(share: float) -> float:
+        damping = largest * share**3
+        return float(np.sum((code(damping, work_at_capture(damping), speeds) - restitution) ** 2))
+
     # A cube is as fine near zero, the best of a contact that loses nothing in the bulk.
-    best = minimize_scalar(
-        lambda share: float(np.sum((fitted(longest * share**3) - restitution) ** 2)),
-        bounds=(0.0, 1.0),
-        method="bounded",
-        options={"xatol": 1e-6},
-    )
-    time = longest * float(best.x) ** 3
+    best = minimize_scalar(misfit, bounds=(0.0, 1.0), method="bounded", options={"xatol": 1e-6})
+    damping = largest * float(best.x) ** 3
+    work = work_at_capture(damping)
     return Coefficients(
-        surface_energy=0.5 * work_at_capture(time),
-        viscous_time=time,
+        surface_energy=0.5 * work,
+        damping=damping,
         speeds=speeds,
         restitution=restitution,
-        fitted=fitted(time),
+        fitted=code(damping, work, speeds),
     )
 
 
-def lammps_files(contact: Contact, speeds: Numbers | None) -> dict[str, str]:
-    """Contents by name: an input of LAMMPS for a wall, and its e beside the model's.
+def speeds_of_fit(contact: Contact, speeds: Numbers | None, form: str) -> FloatArray:
+    """Normal speeds of the fit, m/s: those asked for, or from 1.5 to 15 times the capture velocity.
 
-    Parameters
-    ----------
-    contact
-        A single contact with a surface.
-    speeds
-        Normal speeds of the fit, m/s; None: from 1.5 to 15 times the capture velocity.
-
-    Raises
-    ------
-    TypeError, ValueError
-        As `jkr_coefficients`; without adhesion speeds are needed.
+    Raises TypeError or ValueError if they are no speeds, or the contact has nothing to be fitted.
     """
     if contact.shape:
-        raise ValueError(f"format 'lammps-jkr' is of one contact, got {contact.shape}")
+        raise ValueError(f"format {form!r} is of one contact, got {contact.shape}")
     limit = float(capture_velocity(contact))
     if not math.isfinite(limit):
-        raise ValueError("no sphere leaves this contact at any speed: JKR has nothing to fit")
+        raise ValueError("no sphere leaves this contact at any speed: there is nothing to fit")
     if speeds is None:
         if limit == 0.0:
             raise ValueError("speeds are needed where nothing is captured")
         speeds = limit * np.geomspace(FIRST, LAST, COUNT)
-    v = np.atleast_1d(np.asarray(checked("speeds", speeds, POSITIVE)))
-    fit, whole = (jkr_coefficients(contact, v, end) for end in (PULL_OFF, BROKEN))
-    modulus, mass = float(contact_modulus(contact)), float(contact.mass)
+    return np.atleast_1d(np.asarray(checked("speeds", speeds, POSITIVE)))
+
+
+def described(contact: Contact, fit: Coefficients) -> dict[str, str]:
+    """Words and numbers of a fit that every code's file has."""
     tabor = float(tabor_number(contact))
-    poissons_ratio = float(contact.particle.poissons_ratio)
-    fastest = float(v.max())
-    times = normal_impact(contact, v).contact_time
-    rows = zip(*(a.tolist() for a in (v, fit.restitution, fit.fitted)), strict=True)
-    table = "normal_speed_m_per_s,restitution,restitution_of_jkr\n" + "".join(
-        f"{speed!r},{e!r},{jkr!r}\n" for speed, e, jkr in rows
+    second = f" on {contact.partner_diameter * 1e6:g} um" if contact.is_pair else ""
+    return {
+        "version": version("microimpact"),
+        "pair": f"{contact.particle.name} on {contact.surface.name}, "
+        f"{contact.diameter * 1e6:g} um{second}",
+        "limit": f"{float(capture_velocity(contact)):.6g}",
+        "tabor": f"{tabor:.3g}: {contact_regime(tabor)}",
+        "slowest": f"{fit.speeds.min():.4g}",
+        "fastest": f"{fit.speeds.max():.4g}",
+        "misfit": f"{fit.misfit:.3f}",
+        "energy": f"{fit.surface_energy:.10g}",
+        "diameter": repr(float(contact.diameter)),
+        "friction": repr(float(contact.friction)),
+        **{
+            f"{role}_{name}": repr(float(getattr(getattr(contact, role), name)))
+            for role in ("particle", "surface")
+            for name in ("youngs_modulus", "poissons_ratio", "density")
+        },
+    }
+
+
+def template(name: str, fields: dict[str, str]) -> str:
+    """A template of this folder with its fields filled."""
+    text = files(__package__).joinpath("templates", name).read_text(encoding="utf-8")
+    return Template(text).substitute(fields)
+
+
+def fit_table(fit: Coefficients) -> str:
+    """Restitution of the model and of the fitted contact over speed, as CSV."""
+    rows = zip(*(a.tolist() for a in (fit.speeds, fit.restitution, fit.fitted)), strict=True)
+    return "normal_speed_m_per_s,restitution,restitution_of_fit\n" + "".join(
+        f"{speed!r},{e!r},{own!r}\n" for speed, e, own in rows
     )
-    template = files(__package__) / "templates" / "in.microimpact_jkr"
-    text = Template(template.read_text(encoding="utf-8")).substitute(
-        version=version("microimpact"),
-        pair=f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um",
-        limit=f"{limit:.6g}",
-        tabor=f"{tabor:.3g}: {contact_regime(tabor)}",
-        slowest=f"{v.min():.4g}",
-        fastest=f"{fastest:.4g}",
-        misfit=f"{fit.misfit:.3f}",
-        whole=f"{whole.surface_energy:.6g}",
-        whole_damping=f"{2.0 * modulus * whole.viscous_time / mass:.6g}",
-        diameter=repr(float(contact.diameter)),
-        radius=repr(float(contact.radius)),
-        start=repr(1.0005 * float(contact.radius)),
-        density=repr(float(contact.particle.density)),
-        modulus=f"{2.0 * (1.0 - poissons_ratio**2) * modulus:.10g}",
-        poissons_ratio=repr(poissons_ratio),
-        energy=f"{fit.surface_energy:.10g}",
-        damping=f"{2.0 * modulus * fit.viscous_time / mass:.10g}",
-        friction=repr(float(contact.friction)),
-        speed=repr(fastest),
-        step=f"{float(np.min(times)) / STEPS:.4g}",
-        steps=STEPS,
-        count=int(2 * STEPS + 0.001 * float(contact.radius) / fastest / float(times.min()) * STEPS),
-    )
-    return {"in.microimpact_jkr": text, "microimpact_jkr.csv": table}
+
+
+def lammps_files(contact: Contact, speeds: FloatArray) -> dict[str, str]:
+    """Contents by name: an input of LAMMPS for a wall, and its e beside the model's.
+
+    Raises ValueError as `fitted`.
+    """
+    fit, whole = (jkr_coefficients(contact, speeds, end) for end in (PULL_OFF, BROKEN))
+    modulus, mass = float(contact_modulus(contact)), float(contact.mass)
+    poissons_ratio, radius = float(contact.particle.poissons_ratio), float(contact.radius)
+    fastest = float(speeds.max())
+    step = float(np.min(normal_impact(contact, speeds).contact_time)) / STEPS
+    fields = described(contact, fit) | {
+        "whole": f"{whole.surface_energy:.6g}",
+        "whole_damping": f"{2.0 * modulus * whole.damping / mass:.6g}",
+        "start": repr(1.0005 * radius),
+        "modulus": f"{2.0 * (1.0 - poissons_ratio**2) * modulus:.10g}",
+        "damping": f"{2.0 * modulus * fit.damping / mass:.10g}",
+        "speed": repr(fastest),
+        "step": f"{step:.4g}",
+        "steps": str(STEPS),
+        "count": str(int(2 * STEPS + 0.001 * radius / (fastest * step))),
+    }
+    return {
+        "in.microimpact_jkr": template("in.microimpact_jkr", fields),
+        "microimpact_jkr.csv": fit_table(fit),
+    }

@@ -46,7 +46,10 @@ FLUENT = """
 #include <stdio.h>
 typedef double real;
 typedef int face_t;
-typedef struct { int id; } Thread;
+typedef struct { int moves; } Thread;
+enum { SV_WALL_GRID_V, SV_WALL_V };
+#define SV_ALLOCATED_P(t, v) ((t)->moves)
+int rp_axi_swirl = 0;
 typedef struct { real velocity[3], before[3], diameter; } Tracked_Particle;
 static real memory[1];
 static const struct { int unsteady_tracking; } dpm_par = {1};
@@ -192,7 +195,7 @@ def test_the_header_holds_for_two_spheres_by_the_shares_that_it_states(pair, com
     assert spins[0] + share * (spin - joint) == pytest.approx(expected.spin, rel=1e-6)
     assert spins[1] + other * (spin - joint) == pytest.approx(expected.partner_spin, rel=1e-6)
     for form in WALL_FORMATS:
-        with pytest.raises(ValueError, match="two spheres have c, csv and npz"):
+        with pytest.raises(ValueError, match="two spheres have c, csv, npz, yade"):
             export(spheres, tmp_path, form, FASTEST)
 
 
@@ -408,9 +411,10 @@ def test_fluents_boundary_condition_against_a_stub(pair, tmp_path):
     deposit.restype = ctypes.c_double
     vector = ctypes.c_double * 3
 
-    def impact(*velocity, size=1.0):
+    def impact(*velocity, size=1.0, moves=0):
         particle = (ctypes.c_double * 7)(*velocity, 0.0, 0.0, 0.0, size * pair.diameter)
-        return wall(particle, None, 0, vector(0.0, 0.0, -1.0), 3), list(particle)[:6]
+        thread = ctypes.byref(ctypes.c_int(moves))
+        return wall(particle, thread, 0, vector(0.0, 0.0, -1.0), 3), list(particle)[:6]
 
     outcome, particle = impact(3.0, 4.0, -8.0)
     after = planar(pair, -8.0, 5.0)
@@ -423,6 +427,9 @@ def test_fluents_boundary_condition_against_a_stub(pair, tmp_path):
     assert deposit() == 5.0  # ten spheres of half a kilogram
     assert impact(0.0, 1.0, -1e6)[0] == 2
     assert [impact(3.0, 4.0, -8.0, size=size)[0] for size in SIZES] == [2, 0, 0, 2]
+    assert impact(3.0, 4.0, -8.0, moves=1)[0] == 2
+    ctypes.c_int.in_dll(loaded, "rp_axi_swirl").value = 1
+    assert impact(3.0, 4.0, -8.0)[0] == 2
 
 
 # Diameters over the law's: 1 % is let pass.

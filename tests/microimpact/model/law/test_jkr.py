@@ -20,7 +20,7 @@ def viscous(contact):
 def test_a_jkr_contact_is_fitted_by_its_own_coefficients(viscous):
     fit = jkr_coefficients(viscous, SPEEDS, BROKEN)
     assert fit.surface_energy == pytest.approx(0.25, rel=1e-6)
-    assert fit.viscous_time == pytest.approx(3e-9, rel=1e-5)
+    assert fit.damping == pytest.approx(3e-9, rel=1e-5)
     assert fit.misfit < 1e-7
 
 
@@ -37,7 +37,7 @@ def test_the_early_break_is_made_good_by_the_surface_energy(contact):
 def test_the_capture_velocity_is_kept_and_the_misfit_stated(contact):
     limit = float(capture_velocity(contact))
     fit = jkr_coefficients(contact, limit * np.array([1.5, 5.0, 15.0]))
-    again = contact.by_law(JKR(viscous_time=fit.viscous_time), 2.0 * fit.surface_energy)
+    again = contact.by_law(JKR(viscous_time=fit.damping), 2.0 * fit.surface_energy)
     around = limit * np.array([0.999, 1.001])
     assert list(jkr_restitution(again, around, end=PULL_OFF) > 0.0) == [False, True]
     assert 0.0 < fit.misfit < 0.1
@@ -47,7 +47,7 @@ def test_speeds_are_asked_for_where_they_are_needed(contact, tmp_path):
     limit = float(capture_velocity(contact))
     with pytest.raises(ValueError, match=rf"above the capture velocity {limit:.6g} m/s, got 0.001"):
         export(contact, tmp_path, "lammps-jkr", speeds=[0.001, 1.0])
-    with pytest.raises(ValueError, match="speeds are of the format 'lammps-jkr', got format 'c'"):
+    with pytest.raises(ValueError, match="speeds are of lammps-jkr, lethe, yade, got format 'c'"):
         export(contact, tmp_path, "c", speeds=[1.0])
     bare = contact.replace(work_of_adhesion=0.0)
     with pytest.raises(ValueError, match="speeds are needed where nothing is captured"):

@@ -6,7 +6,8 @@
  * discrete phase at the wall. The path of a particle whose size or speed the law does not hold for is
  * aborted with a message; spin is taken as zero, since the tracked particle carries none by default.
  * With a user-defined memory allocated, the first sums the mass that is captured beside each wall: in
- * kg where particles are tracked in time, in kg/s where they are not. Not for axisymmetric swirl.
+ * kg where particles are tracked in time, in kg/s where they are not. Axisymmetric swirl and moving
+ * walls are refused: there the paths are aborted, too. Tried against a stub, not in Fluent.
  */
 #include "udf.h"
 
@@ -16,11 +17,18 @@ DEFINE_DPM_BC(microimpact_wall, particle, thread, face, normal, dim)
 {
     real v_n = 0.0, v_t = 0.0, tangential[3] = {0.0, 0.0, 0.0};
     double after_n, after_t, after_spin;
-    int i, outcome;
+    int i, outcome, moving;
     static int warned = 0;
 
-    (void)thread;
     (void)face;
+    moving = SV_ALLOCATED_P(thread, SV_WALL_GRID_V) && SV_ALLOCATED_P(thread, SV_WALL_V);
+    if (rp_axi_swirl || moving) {
+        if (!warned)
+            Message("microimpact: not for %s; all paths that meet a wall are aborted\n",
+                    moving ? "moving walls" : "axisymmetric swirl");
+        warned = 1;
+        return PATH_ABORT;
+    }
     /* The normal of the face points out of the fluid: a particle that arrives has v_n > 0. */
     for (i = 0; i < dim; i++)
         v_n += TP_VEL(particle)[i] * normal[i];
