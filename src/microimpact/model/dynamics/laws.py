@@ -159,13 +159,16 @@ def _integrated(problem: Problem) -> ScaledOutcome:
     results = followed(problem.closing, problem.drag, closed, problem.speed, broken)
     captured = results[:, viscous.STATUS] == viscous.CAPTURED
     speed = np.where(captured, 0.0, results[:, viscous.SPEED])
-    bulk = results[:, viscous.WORK]
+    turning = results[:, viscous.TURNING_S]
+    started = 0.5 * problem.speed**2 + energy(closed, problem.closing)
+    # All that was lost before the break, or before the turning point.
+    bulk = started - 0.5 * speed**2 - energy(np.where(captured, turning, broken), problem.opening)
     return ScaledOutcome(
         captured=captured,
         speed=speed,
         time=np.where(captured, np.inf, results[:, viscous.TIME]),
         turning_time=results[:, viscous.TURNING_TIME],
-        deepest=results[:, viscous.TURNING_S],
+        deepest=turning,
         compressive=results[:, viscous.COMPRESSIVE_IMPULSE],
         greatest=problem.speed - results[:, viscous.LOWEST_V],
         bulk=bulk,

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.polynomial import Chebyshev
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import beta
@@ -159,6 +160,28 @@ class TestJKR:
             "peak_net_impulse": 1e-12,
         }.items():
             assert getattr(closed, name) == pytest.approx(getattr(followed, name), rel=error)
+
+    @pytest.mark.parametrize("viscous_time", [3e-10, 3e-9, 2e-8])
+    def test_outcomes_are_smooth_in_the_size_and_do_not_depend_on_the_company(
+        self, build, viscous_time
+    ):
+        """A polynomial through all of them leaves rounding alone."""
+        position = np.linspace(-1.0, 1.0, 301)
+        contact = build(JKR(viscous_time=viscous_time), diameter=62e-6 * np.exp(0.05 * position))
+        impact = normal_impact(contact, 8.0 * capture_velocity(contact))
+        for name in (
+            "coefficient_of_restitution",
+            "contact_time",
+            "compressive_impulse",
+            "peak_net_impulse",
+        ):
+            values = getattr(impact, name) / getattr(impact, name)[0]
+            smooth = Chebyshev.fit(position, values, 10)(position)
+            np.testing.assert_allclose(values, smooth, rtol=1e-11)
+        alone = normal_impact(
+            contact.at((slice(3, 8),), contact.shape), 8.0 * capture_velocity(contact)[3:8]
+        )
+        assert np.array_equal(alone.contact_time, impact.contact_time[3:8])
 
     def test_a_bulk_too_viscous_captures_at_any_speed(self, build):
         contact = build(JKR(viscous_time=1e-5))
