@@ -62,8 +62,8 @@ EXPONENTS = {EQ_34: 1.0, FOREIGN: 5.0 / 6.0}
 ENDS = ("coverage_low", "coverage_high")
 # Sizes, over that measured, at which contacts are to predict the capture velocity, and how surely.
 SIZES, LEVEL = (1.0 / 3.0, 0.5, 1.0, 2.0), 0.9
-# Between marks of the same scatter, %.
-APART = 0.3
+# Between marks of the same scatter, %, and of the same size, as a factor.
+APART, SIZES_APART = 0.3, 1.08
 QUANTITIES = {"bias": "bias", "rms_error": "rms", "coverage": "coverage"}
 
 Speeds = Annotated[tuple[AboveOne, ...], Field(min_length=1)]
@@ -454,12 +454,12 @@ def averaged_figure(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
 
 
 def predicted_figure(table: pd.DataFrame) -> pd.DataFrame:
-    """Coverage of predicted capture velocities over the size, by true law."""
+    """Coverage of predicted capture velocities over the size, by true law; marks moved apart."""
     panel = "at other sizes"
     frames = []
-    for truth, rows in table.groupby("truth", sort=False):
+    for number, (truth, rows) in enumerate(table.groupby("truth", sort=False)):
         coverage = [rows[name].astype(float) for name in ("coverage", *ENDS)]
-        size = rows["size"].astype(float)
+        size = rows["size"].astype(float) * SIZES_APART ** (number - 0.5)
         frames.append(
             _frame(panel, str(truth), size, coverage[0], "virtual experiment", *coverage[1:])
         )
