@@ -272,7 +272,8 @@ def export(
         raise ValueError(f"format {format!r} is of a wall: two spheres have c, csv and npz")
     if format == "lammps" and contact.law is not None:
         raise ValueError(
-            f"format 'lammps' writes the force of the law {RING_FORCE!r}: LAMMPS itself has 'jkr'"
+            f"format 'lammps' writes the force of the law {RING_FORCE!r}: take 'lammps-jkr', which "
+            "fits LAMMPS's own contact"
         )
     basis = chosen_basis(contact, friction_basis)
     if format == "lammps-jkr":

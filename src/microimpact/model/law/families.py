@@ -330,10 +330,10 @@ class Sizes:
 
     def require(self, contact: Contact) -> None:
         """Refuse contacts that differ in more than their diameter, with a NoTableError."""
-        other = Sizes.of(contact).middle.replace(diameter=self.middle.diameter)
-        if type(other.law) is not type(self.middle.law) or not all(
+        alike = Sizes.of(contact).middle.replace(diameter=self.middle.diameter)
+        if type(alike.law) is not type(self.middle.law) or not all(
             abs(a - b) <= LIKE * abs(b)
-            for a, b in zip(_numbers(other), _numbers(self.middle), strict=True)
+            for a, b in zip(_numbers(alike), _numbers(self.middle), strict=True)
         ):
             raise NoTableError("contact must be one that the table was made for, but for its size")
 
