@@ -70,6 +70,7 @@ def test_a_law_that_does_not_fit_is_told_and_sigma_widened(contact, monkeypatch)
     assert drawn.misfit.probability < 1e-6
     assert set(widened) == {drawn.comparison.scatter}
     assert drawn.comparison.scatter > 3.0
+    assert drawn.misfit.freedom == 25 - drawn.comparison.models[0].free
     assert "does not fit: reduced chi-square" in drawn.warnings[0]
 
 
