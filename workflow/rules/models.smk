@@ -107,11 +107,11 @@ use rule study as restitution_fits with:
 
 
 use rule study as fit_coverage with:
-    """tables/fit_coverage.csv, averaged_intervals.csv: how well the capture velocity is found."""
+    """tables/fit_coverage.csv and others: how well the capture velocity is found and predicted."""
     input:
         **tables("calibration", "restitution_fits"),
     output:
-        **tables("fit_coverage", "averaged_intervals"),
+        **tables("fit_coverage", "averaged_intervals", "capture_predictions"),
         **data("capture_recovery", "averaged_coverage"),
     pathvars:
         study="fit_coverage",

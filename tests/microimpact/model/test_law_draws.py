@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from microimpact.model import law_draws
 from microimpact.model.contact import resized
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical import shapes
-from microimpact.model.law_draws import LAWS, _contacts, calibrate_laws
+from microimpact.model.empirical.comparison import LEAST, sorted_data
+from microimpact.model.law_draws import LAWS, _contacts, _drawn, calibrate_laws
 
 SIZES = np.array([1.0 / 3.0, 0.5, 1.0, 2.0])
 
@@ -49,6 +51,9 @@ def test_predictions_at_other_sizes_hold_the_truth_of_another_law(contact, size_
         v, e = rebounds(viscous, seed, size_scatter or 0.0)
         drawn = calibrate_laws(viscous, v, e, 0.015, size_scatter=size_scatter, draws=100)
         assert sum(each.shape[0] for each in drawn.contacts.values()) == 100
+        for model in drawn.comparison.models:
+            share = drawn.contacts[model.name].shape[0] if model.name in drawn.contacts else 0
+            assert abs(share - 100 * model.weight) < 1.0
         for size in SIZES * viscous.diameter:
             limits = drawn.of_all(lambda c, size=size: capture_velocity(resized(c, size)))
             low, high = np.quantile(limits, [0.05, 0.95])
@@ -56,12 +61,26 @@ def test_predictions_at_other_sizes_hold_the_truth_of_another_law(contact, size_
     assert np.sum(held) >= 5
 
 
-def test_a_law_that_does_not_fit_is_told(contact):
+def test_a_law_that_does_not_fit_is_told_and_sigma_widened(contact, monkeypatch):
+    widened = []
+    monkeypatch.setattr(law_draws, "_drawn", lambda *a: widened.append(a[2]) or _drawn(*a))
     v, e = rebounds(contact, 3)
     e = e - 0.1 * np.sin(8.0 * np.log(v / v.min()))
     drawn = calibrate_laws(contact, v, np.clip(e, 0.01, 1.0), 0.005, draws=50)
     assert drawn.misfit.probability < 1e-6
+    assert set(widened) == {drawn.comparison.scatter}
+    assert drawn.comparison.scatter > 3.0
+    assert drawn.misfit.freedom == 25 - drawn.comparison.models[0].free
     assert "does not fit: reduced chi-square" in drawn.warnings[0]
+
+
+def test_data_without_information_leave_uniform_logarithms_of_v_c(contact):
+    v, e = rebounds(contact, 3)
+    data = sorted_data(v, e, 1.0)
+    points, _ = _drawn("viscous JKR", data, 1e9, 400, 0)
+    low, high = np.log(LEAST), np.log(data.reach[0])
+    places = (np.log(points[:, -1] / data.unit[0]) - low) / (high - low)
+    assert np.quantile(places, [0.1, 0.5, 0.9]) == pytest.approx([0.1, 0.5, 0.9], abs=0.1)
 
 
 def test_what_has_no_laws_is_refused(contact):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from microimpact import Contact, calibrate, capture_velocity, simulate
+from microimpact.core import ensemble
 from microimpact.model import posterior
-from microimpact.model.posterior import NoConvergenceError
+from microimpact.model.posterior import NoConvergenceError, has_converged
 
 SPEEDS = np.array([0.25, 0.4, 0.7, 1.1, 1.8])
 DAMPING = ("hertz_damping", "adhesion_damping")
@@ -117,6 +120,19 @@ def test_data_without_information_leave_the_prior(contact, exact):
 def test_more_draws_than_the_chains_are_worth_are_refused(contact, exact):
     with pytest.raises(NoConvergenceError, match=r"they are worth .* split R-hat of .* is 1\.0"):
         calibrate(contact, SPEEDS, exact, 1e3, "hertz_damping", draws=3000, steps=60)
+
+
+def test_chains_that_differ_are_worth_nothing_however_many():
+    chain = ensemble.Draws(
+        points=np.zeros((9, 2)),
+        log_density=np.zeros(9),
+        acceptance=0.3,
+        effective_size=9.0,
+        split_r_hat=np.array([1.0, 1.2]),
+        kept=90,
+    )
+    assert not has_converged(chain, 9)
+    assert has_converged(replace(chain, split_r_hat=np.array([1.0, 1.05])), 9)
 
 
 def test_chains_that_have_not_come_together_are_refused(contact, exact):

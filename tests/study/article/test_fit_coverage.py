@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from microimpact import capture_velocity, restitution, simulate
 from study.declared.parameters import build, explain
 from study.studies.models.fit_coverage import (
+    PREDICTED,
     TRIED,
     Design,
     Params,
@@ -144,6 +145,24 @@ def test_intervals_hold_v_c_where_the_scatter_is_told_and_warn_where_it_is_not(t
     others = TRIED[TRIED["scatter"] == "exact"]
     missed = (others["sets"] - others["held"]).sum()
     assert others["missed_without_warning"].sum() <= 0.1 * missed
+
+
+def test_drawn_contacts_predict_other_sizes_as_often_as_they_say(tables):
+    predicted = tables["capture_predictions"]
+    assert sorted(set(predicted["truth"])) == ["ring force, n = 0.7", "viscous JKR"]
+    assert (predicted["sets"] + predicted["without_convergence"] >= 80).all()
+    assert predicted["coverage"].between(0.85, 0.98).all()
+    figure = tables["averaged_coverage"].query("panel == 'at other sizes'")
+    assert len(figure) == len(predicted) + 2
+
+
+def test_a_run_predicts_other_sizes_itself_where_it_is_to(run_study, earlier):
+    few = {"designs": ["viscous JKR, one size, taken as exact"], "predicted": 1}
+    predicted = run_study("fit_coverage", earlier, **FEW | {"sets": 1}, averaged=few)
+    table = predicted["capture_predictions"]
+    assert list(table.columns) == list(PREDICTED.columns)
+    assert (table["sets"] == 1).all()
+    assert table["held"].sum() >= 4, "of 8"
 
 
 def test_designs_of_the_file_are_what_the_study_computes(branch, inputs):

@@ -286,7 +286,7 @@ def planar(
     RuntimeError
         If an integration failed.
     """
-    require_contact(contact, any_law=tangential == "rigid", pair=True)
+    require_contact(contact, any_law=True, pair=True)
     basis = chosen_basis(contact, friction_basis, tangential)
     v_n = checked("v_n", v_n, APPROACHING)
     v_t = checked("v_t", v_t, FINITE)
@@ -443,7 +443,7 @@ def incident(
     inputs, spins, shape
         Speed (m/s) and angle (degrees) by name, the spins, and the broadcast shape.
     """
-    require_contact(contact, any_law=tangential == "rigid", pair=True)
+    require_contact(contact, any_law=True, pair=True)
     chosen_basis(contact, friction_basis, tangential)
     arguments = {"speed": checked("speed", speed, SPEED), "angle": checked("angle", angle, ANGLE)}
     turning = checked("spin", spin, FINITE), checked("partner_spin", partner_spin, FINITE)
@@ -455,7 +455,13 @@ def incident(
 def chosen_basis(contact: Contact, friction_basis: object, tangential: object = "rigid") -> str:
     """Return the checked basis of friction, for the contact's law and a checked tangential law."""
     basis = choice("friction_basis", friction_basis, (*FRICTION_BASES, PULL_OFF))
-    if choice("tangential", tangential, TANGENTIAL_LAWS) != "rigid" and basis == "net":
+    compliant = choice("tangential", tangential, TANGENTIAL_LAWS) != "rigid"
+    if compliant and contact.law is not None:
+        raise ValueError(
+            f"tangential {tangential!r} is for the law {RING_FORCE!r}, got {contact.law.name!r}: "
+            f"take 'rigid', with friction_basis {PULL_OFF!r} if adhesion is to support friction"
+        )
+    if compliant and basis == "net":
         allowed = " or ".join(map(repr, FRICTION_BASES[:2]))
         raise ValueError(
             f"friction_basis must be {allowed} with tangential {tangential!r}, got 'net': a limit "
@@ -518,7 +524,7 @@ def spatial(
     RuntimeError
         If an integration failed.
     """
-    require_contact(contact, any_law=tangential == "rigid", pair=True)
+    require_contact(contact, any_law=True, pair=True)
     basis = chosen_basis(contact, friction_basis, tangential)
     vectors = {}
     arguments = {"velocity": velocity, "spin": spin, "partner_spin": partner_spin}

@@ -159,13 +159,16 @@ def _integrated(problem: Problem) -> ScaledOutcome:
     results = followed(problem.closing, problem.drag, closed, problem.speed, broken)
     captured = results[:, viscous.STATUS] == viscous.CAPTURED
     speed = np.where(captured, 0.0, results[:, viscous.SPEED])
-    bulk = results[:, viscous.WORK]
+    turning = results[:, viscous.TURNING_S]
+    started = 0.5 * problem.speed**2 + energy(closed, problem.closing)
+    # All that was lost before the break, or before the turning point.
+    bulk = started - 0.5 * speed**2 - energy(np.where(captured, turning, broken), problem.opening)
     return ScaledOutcome(
         captured=captured,
         speed=speed,
         time=np.where(captured, np.inf, results[:, viscous.TIME]),
         turning_time=results[:, viscous.TURNING_TIME],
-        deepest=results[:, viscous.TURNING_S],
+        deepest=turning,
         compressive=results[:, viscous.COMPRESSIVE_IMPULSE],
         greatest=problem.speed - results[:, viscous.LOWEST_V],
         bulk=bulk,
@@ -191,7 +194,7 @@ def followed(*columns: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class _Loading(Columns):
+class Loading(Columns):
     """Loading of scaled contacts: JKR, and plastic from the yield pressure in the middle on.
 
     Beyond, ``dF/ds = 4 p s^3 - 6 b s^2`` (Thornton and Ning 1998); force and stiffness do not jump.
@@ -203,7 +206,8 @@ class _Loading(Columns):
     yields: FloatArray
 
     @classmethod
-    def of(cls, b: FloatArray, pressure: FloatArray) -> _Loading:
+    def of(cls, b: FloatArray, pressure: FloatArray) -> Loading:
+        """Return the loading of contacts of adhesion b and yield pressure, infinite if elastic."""
         # Pressure in the middle, times s^4: 3/2 s^6 - 3 b s^3.
         soft = np.isfinite(pressure)
         finite, adhesion = pressure[soft], b[soft]
@@ -224,6 +228,7 @@ class _Loading(Columns):
         return np.asarray(force(s, self.b) - self.pressure * s**4 + 2.0 * self.b * s**3)
 
     def force(self, s: FloatArray) -> FloatArray:
+        """Force at s."""
         plastic = self._offset + self.pressure * s**4 - 2.0 * self.b * s**3
         return np.where(s <= self.yields, force(s, self.b), plastic)
 
@@ -250,7 +255,7 @@ class _Loading(Columns):
         while np.any(short := self.work(top) <= 0.5 * speed**2):
             top = np.where(short, 2.0 * top, top)
         shares = self.b, self.pressure, self.closed, self.yields, 0.5 * speed**2
-        return roots(lambda s, *a: _Loading(*a[:4]).work(s) - a[4], self.closed, top, *shares)
+        return roots(lambda s, *a: Loading(*a[:4]).work(s) - a[4], self.closed, top, *shares)
 
     def balance(self, deepest: FloatArray) -> FloatArray:
         """Return s where the force changes its sign."""
@@ -260,13 +265,13 @@ class _Loading(Columns):
             plastic = self.select(early)
             shares = plastic.b, plastic.pressure, plastic.closed, plastic.yields
             radius[early] = roots(
-                lambda s, *a: _Loading(*a).force(s), plastic.closed, deepest[early], *shares
+                lambda s, *a: Loading(*a).force(s), plastic.closed, deepest[early], *shares
             )
         return radius
 
 
 @dataclass(frozen=True, slots=True)
-class _Unloading(Columns):
+class Unloading(Columns):
     """Unloading from s: at constant radius while adhesion grows, then JKR, to the break."""
 
     b: FloatArray
@@ -276,7 +281,8 @@ class _Unloading(Columns):
     pinned: FloatArray
 
     @classmethod
-    def of(cls, loading: _Loading, opening: FloatArray, top: FloatArray) -> _Unloading:
+    def of(cls, loading: Loading, opening: FloatArray, top: FloatArray) -> Unloading:
+        """Return the unloading from the turning point ``top`` on, against another adhesion."""
         b, at_top = loading.b, loading.force(top)
         flattening = top**6 / (at_top + 6.0 * b * top**3)
         back = at_top - 3.0 * (opening - b) * top**3  # mean force at constant radius
@@ -284,6 +290,7 @@ class _Unloading(Columns):
 
     @property
     def end(self) -> FloatArray:
+        """Return s at the break."""
         return np.minimum(np.cbrt(self.b * self.flattening), self.top)
 
     def regained(self, s: FloatArray) -> FloatArray:
@@ -294,9 +301,9 @@ class _Unloading(Columns):
 
 def _quasi_static(problem: Problem) -> ScaledOutcome:
     v, b = problem.speed, problem.closing
-    loading = _Loading.of(b, problem.pressure)
+    loading = Loading.of(b, problem.pressure)
     top = loading.deepest(v)
-    unloading = _Unloading.of(loading, problem.opening, top)
+    unloading = Unloading.of(loading, problem.opening, top)
     end, left = unloading.end, unloading.regained(unloading.end)
     captured = left <= 0.0
     speed = np.sqrt(2.0 * np.maximum(left, 0.0))
@@ -328,7 +335,7 @@ def _quasi_static(problem: Problem) -> ScaledOutcome:
     )
 
 
-def _loading_time(loading: _Loading, v: FloatArray, top: FloatArray) -> FloatArray:
+def _loading_time(loading: Loading, v: FloatArray, top: FloatArray) -> FloatArray:
     """Time from touch to the turning point."""
     middle = np.clip(loading.yields, loading.closed, top)
     total = np.zeros_like(v)
@@ -344,7 +351,7 @@ def _loading_time(loading: _Loading, v: FloatArray, top: FloatArray) -> FloatArr
     return total
 
 
-def _unloading_time(unloading: _Unloading, end: FloatArray) -> FloatArray:
+def _unloading_time(unloading: Unloading, end: FloatArray) -> FloatArray:
     """Time from the turning point to the break, of contacts that break."""
     top, b = unloading.top, unloading.b
     at_end = top**3 * (top**3 / unloading.flattening - 6.0 * b)  # force after constant radius
@@ -381,12 +388,12 @@ def _backwards(problem: Problem) -> FloatArray:
 
 def _stops_at_the_break(problem: Problem) -> FloatArray:
     """Scaled speeds whose unloading regains just the energy needed: a root in s at the turning."""
-    loading = _Loading.of(problem.closing, problem.pressure)
+    loading = Loading.of(problem.closing, problem.pressure)
     shares = (*(getattr(loading, name) for name in loading.__slots__), problem.opening)
 
     def left(log_s: FloatArray, *a: FloatArray) -> FloatArray:
         s = np.exp(log_s)
-        unloading = _Unloading.of(_Loading(*a[:4]), a[4], s)
+        unloading = Unloading.of(Loading(*a[:4]), a[4], s)
         return np.asarray(unloading.regained(unloading.end) / s**10)
 
     # From the balance of closing on, where at the latest the way back is all uphill.

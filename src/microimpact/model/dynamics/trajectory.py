@@ -7,13 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
-from microimpact.core.arrays import FINITE, FloatArray, Numbers, checked, choice
-from microimpact.model.choices import FRICTION_BASES
+from microimpact.core.arrays import FINITE, FloatArray, Numbers, Real, checked
 from microimpact.model.contact import Contact, require_contact
-from microimpact.model.dynamics import kernel
-from microimpact.model.dynamics.impact import ANGLE, SPEED, velocity_components
+from microimpact.model.dynamics import kernel, law_paths, laws
+from microimpact.model.dynamics.impact import (
+    ANGLE,
+    PULL_OFF,
+    SPEED,
+    chosen_basis,
+    velocity_components,
+)
 from microimpact.model.dynamics.normal import integrate, is_shallow, scaled_problems
-from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
+from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, SLIP_PER_IMPULSE
 
 # Room for the series of so many steps, widened where it does not suffice.
 STEPS, MOST_STEPS = 256, 1_000_000
@@ -25,6 +30,10 @@ CAPTURED_PERIODS = 8.0
 # Rounding of times, relative.
 ROUNDING = 1e-14
 
+# Time, compression, velocity and impulse per mass that friction rests on; the terms of the force,
+# and whether the sphere stays.
+Followed = tuple[tuple[FloatArray, ...], tuple[FloatArray, ...], bool]
+
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -35,7 +44,8 @@ class Trajectory:
     Attributes
     ----------
     time
-        From touch, evenly spaced to separation (or into the adhesive well, where captured), s.
+        From touch, evenly spaced to separation (or into the adhesive well, where captured; by
+        another law than the ring force to the second turning point), s.
     compression
         Approach of the sphere beyond touch, -n, m.
     velocity, tangential_velocity
@@ -43,7 +53,8 @@ class Trajectory:
     spin, slip
         Spin, rad/s, and velocity of the contact point along the surface, m/s.
     hertz_force, hertz_damping_force, adhesion_force, adhesion_damping_force
-        The four terms of Eq. (19), N, positive away from the surface.
+        The four terms of Eq. (19), N, positive away from the surface. By another law than the ring
+        force: what presses, the loss in the bulk, the pull of adhesion, and nothing.
     normal_force, friction_force
         Their sum, and the tangential force of Eq. (27) as corrected, N.
     captured
@@ -91,8 +102,8 @@ def trajectory(
     RuntimeError
         If the integration failed.
     """
-    require_contact(contact)
-    basis = choice("friction_basis", friction_basis, FRICTION_BASES)
+    require_contact(contact, any_law=True)
+    basis = chosen_basis(contact, friction_basis)
     if isinstance(points, bool) or not isinstance(points, int | np.integer):
         raise TypeError(f"points must be a whole number, got {points!r}")
     if points < 2:
@@ -106,12 +117,46 @@ def trajectory(
     if contact.shape:
         raise ValueError(f"contact must be a single one, got fields of shape {contact.shape}")
     v_n, v_t = velocity_components(speed, angle)
-    problems, scales, _ = scaled_problems(contact, -v_n)
+    v_n = checked("v_n", v_n, APPROACHING)  # may have vanished
+    followed = _by_ring_force if contact.law is None else _by_law
+    motion, terms, captured = followed(contact, -v_n, points, basis)
+    time, compression, velocity, impulse = motion
+    normal = sum(terms[1:], terms[0])
+    pull = normal + 2.0 * float(contact.pull_off_force or 0.0)
+    supports = {"compressive": np.maximum(normal, 0.0), "hertz": terms[0], "net": normal}
+    supports |= {PULL_OFF: pull}
+    radius, friction = contact.radius, contact.friction
+    slip_0 = v_t - radius * spin
+    used = SLIP_PER_IMPULSE * friction * impulse
+    # the first passage decides: what has rolled once rolls on
+    rolling = np.maximum.accumulate(used) >= abs(slip_0)
+    slip = np.where(rolling, 0.0, slip_0 - np.sign(slip_0) * used)
+    change = (slip_0 - slip) / SLIP_PER_IMPULSE
+    return Trajectory(
+        time=time,
+        compression=compression,
+        velocity=velocity,
+        tangential_velocity=v_t - change,
+        spin=spin + change / (INERTIA * radius),
+        slip=slip,
+        hertz_force=terms[0],
+        hertz_damping_force=terms[1],
+        adhesion_force=terms[2],
+        adhesion_damping_force=terms[3],
+        normal_force=normal,
+        friction_force=np.where(rolling, 0.0, -np.sign(slip_0) * friction * supports[basis]),
+        captured=captured,
+    )
+
+
+def _by_ring_force(contact: Contact, speed: Real, points: int, basis: str) -> Followed:
+    """Motion of `trajectory` by Eq. (25)."""
+    problems, scales, _ = scaled_problems(contact, speed)
     problem, result = problems[0], integrate(problems, ledger=True)[0]
     captured = bool(result[kernel.STATUS] == kernel.CAPTURED)
     if problem[kernel.ALWAYS_CAPTURED]:
         # the kernel drops the damping where the sphere is always captured; the path needs it
-        damping = contact.adhesion_damping_at(-v_n) * scales.velocity[0]
+        damping = contact.adhesion_damping_at(speed) * scales.velocity[0]
         problem[kernel.DAMPING_2] = float(damping)
     end = result[kernel.DURATION]
     if captured:
@@ -127,30 +172,26 @@ def trajectory(
         -beta * s * force,
         beta * s * damping * u * force,
     )
-    normal = sum(terms[1:], terms[0])
-    supports = {"compressive": np.maximum(normal, 0.0), "hertz": terms[0], "net": normal}[basis]
-    radius, friction = contact.radius, contact.friction
-    slip_0 = v_t - radius * spin
-    used = SLIP_PER_IMPULSE * friction * (impulse * velocity)
-    # the first passage decides: what has rolled once rolls on
-    rolling = np.maximum.accumulate(used) >= abs(slip_0)
-    slip = np.where(rolling, 0.0, slip_0 - np.sign(slip_0) * used)
-    change = (slip_0 - slip) / SLIP_PER_IMPULSE
-    return Trajectory(
-        time=time * length / velocity,
-        compression=s**2 * length,
-        velocity=-u * velocity,
-        tangential_velocity=v_t - change,
-        spin=spin + change / (INERTIA * radius),
-        slip=slip,
-        hertz_force=terms[0],
-        hertz_damping_force=terms[1],
-        adhesion_force=terms[2],
-        adhesion_damping_force=terms[3],
-        normal_force=normal,
-        friction_force=np.where(rolling, 0.0, -np.sign(slip_0) * friction * supports),
-        captured=captured,
-    )
+    motion = time * length / velocity, s**2 * length, -u * velocity, impulse * velocity
+    return motion, terms, captured
+
+
+def _by_law(contact: Contact, speed: Real, points: int, basis: str) -> Followed:
+    """Motion of `trajectory` by another law."""
+    problem, scales, _ = laws.scaled(contact, speed)
+    path = law_paths.path(problem, points)
+    length, velocity, mass = (x[0] for x in (scales.length, scales.velocity, scales.mass))
+    force = mass * velocity**2 / length
+    zero = np.zeros(points)
+    terms = path.hertz * force, path.damping * force, path.adhesion * force, zero
+    time, net = path.time * length / velocity, (problem.speed[0] - path.velocity) * velocity
+    impulse = {
+        "compressive": path.impulse * velocity,
+        "net": net,
+        PULL_OFF: net + 2.0 * contact.pull_off_force * time / mass,
+    }[basis]
+    motion = time, path.compression * length, -path.velocity * velocity, impulse
+    return motion, terms, bool(laws.solve(problem).captured[0])
 
 
 def _sample(

@@ -4,13 +4,17 @@ With s the square root of the contact radius and v the speed of approach, both s
 `microimpact.model.dynamics.laws`, and ``dt = 4 (s^3 - beta) dtau``, the motion is polynomial and
 smooth through the snap-off at ``s^3 = beta``, where the contact radius changes without limit::
 
-    ds/dtau = v,    dv/dtau = -4 (s^3 - beta) (s^6 - 6 beta s^3 + drag s^2 v)
+    ds/dtau = v,    dv/dtau = -4 (c - beta) h,    h = c^2 - 6 beta c + drag p
 
-Each step is a Taylor expansion of order ``ORDER``. A motion goes to its turning point and back to a
-given s; with a negative drag it is an impact backwards in time.
+with ``p = s^2 v``, and ``c = s^3``, whose derivative is 3 p: three products of series make a term.
+Each step is a Taylor expansion of order ``ORDER``; as in `microimpact.model.dynamics.kernel`,
+``LANES`` impacts advance side by side. A motion goes to its turning point and back to a given s;
+with a negative drag it is an impact backwards in time.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -18,12 +22,17 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.compiled import jit
 
 ORDER = 20
-TOLERANCE = 1e-16
+LANES = 32
+TOLERANCE = 1e-14
+# As in `kernel`: parts with sums of one length, and the rows of zeros that make them so.
+THIRD = 2 * -(-ORDER // 6)
+PAD = THIRD - 1
+ROOT_TOLERANCE = 1e-9
 MAX_STEPS = 100_000
 
-# Columns of a problem and of a result. Works per mass, impulses per mass.
+# Columns of a problem and of a result. Impulses per mass.
 BETA, DRAG, START_S, START_V, END_S = range(5)
-STATUS, SPEED, TIME, TURNING_TIME, TURNING_S, COMPRESSIVE_IMPULSE, LOWEST_V, WORK = range(8)
+STATUS, SPEED, TIME, TURNING_TIME, TURNING_S, COMPRESSIVE_IMPULSE, LOWEST_V, STEPS = range(8)
 RESULT_COLUMNS = 8
 
 REBOUND, CAPTURED, ESCAPED, FAILED = 0.0, 1.0, 2.0, 3.0
@@ -32,47 +41,142 @@ REBOUND, CAPTURED, ESCAPED, FAILED = 0.0, 1.0, 2.0, 3.0
 # its turning point only, or to where it creeps and will not turn.
 OVERDAMPED = 10.0
 
+_BITS_OF_ONE = (1023.0 - 0.0861) * 2.0**52
+
+_ONES, _INVERSE = np.ones(ORDER + 1), 1.0 / np.arange(1.0, ORDER + 2.0)
+
 _jit = jit()
+_jit_inline = jit(inline="always")
+_jit_contract = jit(fastmath={"contract", "nsz"})
+
+
+@_jit_inline
+def _coefficients(first, stop, beta, drag, s, v, q, c, h):  # type: ignore[no-untyped-def]
+    """Coefficients ``first`` to ``stop`` of q = s^2 and h, and the next of s, v and c, all lanes.
+
+    Sums are all as long as the longest: rows of zeros in front of each series end them. Squares are
+    summed from the middle outwards.
+    """
+    for k in range(first, stop):
+        row, middle, inverse = PAD + k, PAD + k // 2, 1.0 / (k + 1)
+        odd = k % 2
+        for lane in range(LANES):
+            s[row + 1, lane] = inverse * v[row, lane]
+        for lane in range(LANES):
+            q_k = c_k = 0.0
+            for j in range(stop // 2):
+                q_k += s[middle - 1 - j + odd, lane] * s[middle + 1 + j, lane]
+                c_k += c[middle - 1 - j + odd, lane] * c[middle + 1 + j, lane]
+            q[k, lane], h[row, lane] = 2.0 * q_k, 2.0 * c_k
+        if not odd:
+            for lane in range(LANES):
+                q[k, lane] += s[middle, lane] * s[middle, lane]
+                h[row, lane] += c[middle, lane] * c[middle, lane]
+        for lane in range(LANES):
+            p_k = 0.0
+            for j in range(stop):
+                p_k += q[j, lane] * v[row - j, lane]
+            c[row + 1, lane] = 3.0 * inverse * p_k
+            h[row, lane] += drag[lane] * p_k - 6.0 * beta[lane] * c[row, lane]
+        for lane in range(LANES):
+            v_k = beta[lane] * h[row, lane]
+            for j in range(stop):
+                v_k -= c[PAD + j, lane] * h[row - j, lane]
+            v[row + 1, lane] = 4.0 * inverse * v_k
+
+
+@_jit_contract
+def _expand(beta, drag, s, v, q, c, h):  # type: ignore[no-untyped-def]
+    """Taylor coefficients from the values of s, v and c = s^3 in row PAD."""
+    if not (s.shape[1] == v.shape[1] == q.shape[1] == c.shape[1] == h.shape[1] == LANES):
+        return  # never: gives the compiler the distance of rows
+    _coefficients(0, THIRD, beta, drag, s, v, q, c, h)
+    _coefficients(THIRD, 2 * THIRD, beta, drag, s, v, q, c, h)
+    _coefficients(2 * THIRD, ORDER, beta, drag, s, v, q, c, h)
+
+
+@_jit_contract
+def _evaluate(series, x, weights, out):  # type: ignore[no-untyped-def]
+    """Value of each lane's series, its terms weighted, at x."""
+    if series.shape[1] != LANES or weights.size != ORDER + 1:
+        return
+    for lane in range(LANES):
+        value = series[ORDER, lane] * weights[ORDER]
+        for k in range(ORDER):
+            value = value * x[lane] + series[ORDER - 1 - k, lane] * weights[ORDER - 1 - k]
+        out[lane] = value
 
 
 @_jit
-def _value(series, x):  # type: ignore[no-untyped-def]
-    value = series[ORDER]
+def _value(series, lane, x):  # type: ignore[no-untyped-def]
+    """Value of a lane's series at x; even and odd powers are summed side by side."""
+    even, odd, square = series[ORDER, lane], 0.0, x * x
+    for k in range(ORDER - 2, -1, -2):
+        even = even * square + series[k, lane]
+        odd = odd * square + series[k + 1, lane]
+    return even + x * odd
+
+
+@_jit_contract
+def _step_sizes(s, v, last, before, step):  # type: ignore[no-untyped-def]
+    """Step of each lane at which the last two terms of both series fall to the tolerance."""
+    for lane in range(LANES):
+        scale = 1.0 / (TOLERANCE * max(abs(s[0, lane]), abs(v[0, lane])))
+        last[lane] = scale * max(abs(s[ORDER, lane]), abs(v[ORDER, lane]))
+        before[lane] = scale * max(abs(s[ORDER - 1, lane]), abs(v[ORDER - 1, lane]))
+    # As in `kernel`: the bits of numbers serve as their logarithms, rounded towards short steps.
+    last_bits, before_bits, bits = last.view(np.int64), before.view(np.int64), step.view(np.int64)
+    for lane in range(LANES):
+        log_step = min(
+            (_BITS_OF_ONE - last_bits[lane]) * (1.0 / ORDER),
+            (_BITS_OF_ONE - before_bits[lane]) * (1.0 / (ORDER - 1)),
+        )
+        bits[lane] = int(_BITS_OF_ONE + log_step)
+
+
+@_jit
+def _mean(series, lane, x):  # type: ignore[no-untyped-def]
+    """Mean of a lane's series from 0 to x."""
+    value = series[ORDER, lane] * _INVERSE[ORDER]
     for k in range(ORDER - 1, -1, -1):
-        value = value * x + series[k]
+        value = value * x + series[k, lane] * _INVERSE[k]
     return value
 
 
 @_jit
-def _integral(series, x):  # type: ignore[no-untyped-def]
-    value = series[ORDER] / (ORDER + 1)
-    for k in range(ORDER - 1, -1, -1):
-        value = value * x + series[k] / (k + 1)
-    return value * x
+def _root(series, lane, level, upper, end):  # type: ignore[no-untyped-def]
+    """Place in (0, upper] where a lane's series crosses a level, from which it ends so far.
 
-
-@_jit
-def _crossing(series, level, upper):  # type: ignore[no-untyped-def]
-    """Place in (0, upper] where a series crosses a level: Newton within a bracket."""
-    lower, x = 0.0, upper
-    sign = _value(series, upper) - level
+    Newton's method within a bracket, from the zero of the parabola of both values and first slope.
+    """
+    start, slope = series[0, lane] - level, series[1, lane]
+    bend = (end - start - slope * upper) / (upper * upper)
+    root = math.sqrt(max(slope * slope - 4.0 * bend * start, 0.0))
+    x = 2.0 * start / (math.copysign(root, start) - slope)
+    lower, x = 0.0, x if 0.0 < x < upper else upper
     for _ in range(80):
-        value, slope = series[ORDER], 0.0
-        for k in range(ORDER - 1, -1, -1):
-            slope = slope * x + value
-            value = value * x + series[k]
-        value -= level
-        if value * sign > 0.0:
+        even, odd, even_slope, odd_slope, square = series[ORDER, lane], 0.0, 0.0, 0.0, x * x
+        for k in range(ORDER - 2, -1, -2):
+            even_slope = even_slope * square + even
+            odd_slope = odd_slope * square + odd
+            even = even * square + series[k, lane]
+            odd = odd * square + series[k + 1, lane]
+        value, slope = even - level + x * odd, odd + 2.0 * x * (even_slope + x * odd_slope)
+        if (value > 0.0) == (end > 0.0):
             upper = x
         else:
             lower = x
         new = x - value / slope if slope != 0.0 else lower
-        if not lower < new < upper:
-            new = 0.5 * (lower + upper)
-        if abs(new - x) <= 1e-15 * abs(new):
+        if abs(new - x) <= ROOT_TOLERANCE * abs(new):
             return new
-        x = new
+        x = new if lower < new < upper else 0.5 * (lower + upper)
     return x
+
+
+@_jit
+def _force(s, v, beta, drag):  # type: ignore[no-untyped-def]
+    """Force of the contact, h."""
+    return s**3 * (s**3 - 6.0 * beta) + drag * s * s * v
 
 
 @_jit
@@ -82,115 +186,123 @@ def _well(s, beta):  # type: ignore[no-untyped-def]
 
 
 @_jit
+def _fate(s, v, beta, drag):  # type: ignore[no-untyped-def]
+    """Status of an approach that is known never to turn, else -1."""
+    # Backwards in time, and beyond what the elastic force can turn.
+    if drag < 0.0 and -drag * v > 2.0 * s**4 and drag * drag * s**2 > 8.0:
+        return ESCAPED
+    pull = s**3 * (6.0 * beta - s**3)
+    rests = abs(s**3 - 6.0 * beta) < 1e-9 * beta and v < 1e-9 * s**4
+    overdamped = drag * beta ** (1.0 / 3.0) > OVERDAMPED
+    return CAPTURED if rests or (overdamped and drag * s**2 * v < 2.0 * pull) else -1.0
+
+
+@_jit
 def integrate(problems: FloatArray, results: FloatArray) -> None:
     """Follow every row of ``problems`` into the same row of ``results``."""
-    series = np.zeros((10, ORDER + 2))
-    s, v, q, c, cc, qv, g, h, loss, qvv = series
-    for row in range(problems.shape[0]):
-        beta, drag, end_s = problems[row, BETA], problems[row, DRAG], problems[row, END_S]
-        s[0], v[0] = problems[row, START_S], problems[row, START_V]
-        time = work = impulse = turning_time = turning_s = 0.0
-        mark = lowest = v[0]
-        approaching, status = True, FAILED
-        overdamped = drag * beta ** (1.0 / 3.0) > OVERDAMPED
-        force = s[0] ** 6 - 6.0 * beta * s[0] ** 3 + drag * s[0] ** 2 * v[0]
-        pushing = force > 0.0
-        last = _well(end_s, beta)
-        for _ in range(MAX_STEPS):
-            for k in range(ORDER + 1):
-                # Cauchy products, as many in a loop as may be: that doubles the pace.
-                q_k = c_k = qv_k = 0.0
-                for j in range(k + 1):
-                    q_k += s[j] * s[k - j]
-                q[k] = q_k
-                for j in range(k + 1):
-                    c_k += q[j] * s[k - j]
-                    qv_k += q[j] * v[k - j]
-                c[k] = c_k
-                qv[k] = qv_k
-                cc_k = qvv_k = 0.0
-                for j in range(k + 1):
-                    cc_k += c[j] * c[k - j]
-                    qvv_k += qv[j] * v[k - j]
-                cc[k] = cc_k
-                qvv[k] = qvv_k
-                g[k] = 4.0 * c[k]
-                if k == 0:
-                    g[0] -= 4.0 * beta
-                h[k] = cc[k] - 6.0 * beta * c[k] + drag * qv[k]
-                gh_k = loss_k = 0.0
-                for j in range(k + 1):
-                    gh_k += g[j] * h[k - j]
-                    loss_k += g[j] * qvv[k - j]
-                loss[k] = drag * loss_k
-                s[k + 1] = v[k] / (k + 1)
-                v[k + 1] = -gh_k / (k + 1)
-            size = TOLERANCE * max(abs(s[0]), abs(v[0]))
-            step = 1e300
-            for k in range(ORDER - 1, ORDER + 1):
-                largest = max(abs(s[k]), abs(v[k]))
-                if largest > 0.0:
-                    step = min(step, (size / largest) ** (1.0 / k))
-            new_s, new_v = _value(s, step), _value(v, step)
-            turned = approaching and new_v <= 0.0
-            ended = not approaching and new_s <= end_s
-            if not approaching and not ended and new_v >= 0.0:
-                # Short of the break it may pass the end and turn back within one step.
-                turning = _crossing(v, 0.0, step)
-                if _value(s, turning) <= end_s:
-                    ended, step = True, turning
+    count = problems.shape[0]
+    rows = PAD + ORDER + 1
+    padded_s, padded_v, q = (
+        np.zeros((rows, LANES)),
+        np.zeros((rows, LANES)),
+        np.zeros((rows, LANES)),
+    )
+    padded_c, padded_h = np.zeros((rows, LANES)), np.zeros((rows, LANES))
+    s, v, c, h = padded_s[PAD:], padded_v[PAD:], padded_c[PAD:], padded_h[PAD:]
+    beta, drag, step, time = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
+    new_s, new_v, mark = np.zeros(LANES), np.ones(LANES), np.zeros(LANES)
+    total = np.zeros((RESULT_COLUMNS, LANES))
+    owner = np.full(LANES, -1, dtype=np.int64)
+    pushing, approaching = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
+    waiting, active = 0, 0
+    for _ in range(MAX_STEPS * (count + 1)):
+        for lane in range(LANES):
+            if owner[lane] < 0 and waiting < count:
+                beta[lane], drag[lane] = problems[waiting, BETA], problems[waiting, DRAG]
+                new_s[lane], new_v[lane] = problems[waiting, START_S], problems[waiting, START_V]
+                total[:, lane] = 0.0
+                for k in range(ORDER + 1):  # what is left there must be finite
+                    s[k, lane] = v[k, lane] = q[k, lane] = c[k, lane] = h[k, lane] = 0.0
+                mark[lane] = total[LOWEST_V, lane] = new_v[lane]
+                force = _force(new_s[lane], new_v[lane], beta[lane], drag[lane])
+                pushing[lane], approaching[lane] = force > 0.0, True
+                owner[lane] = waiting
+                waiting += 1
+                active += 1
+            elif owner[lane] < 0:
+                beta[lane], drag[lane], new_s[lane], new_v[lane] = 0.0, 0.0, 0.0, 1.0
+            s[0, lane], v[0, lane], c[0, lane] = new_s[lane], new_v[lane], new_s[lane] ** 3
+        if active == 0:
+            break
+        _expand(beta, drag, padded_s, padded_v, q, padded_c, padded_h)
+        _step_sizes(s, v, new_s, new_v, step)
+        _evaluate(s, step, _ONES, new_s)
+        _evaluate(v, step, _ONES, new_v)
+        _evaluate(c, step, _INVERSE, time)
+        for lane in range(LANES):
+            if owner[lane] < 0:
+                continue
+            b, d, length = beta[lane], drag[lane], step[lane]
+            last = problems[owner[lane], END_S]
+            turned = ended = False
+            if approaching[lane]:
+                turned = new_v[lane] <= 0.0
+            else:
+                ended = new_s[lane] <= last
+                if not ended and new_v[lane] >= 0.0:
+                    # Short of the break it may pass the end and turn back within one step.
+                    turning = _root(v, lane, 0.0, length, new_v[lane])
+                    nearest = _value(s, lane, turning)
+                    if nearest <= last:
+                        ended, length, new_s[lane] = True, turning, nearest
+            if turned or ended:
+                if turned:
+                    length = _root(v, lane, 0.0, length, new_v[lane])
+                else:
+                    length = _root(s, lane, last, length, new_s[lane] - last)
+                new_s[lane], new_v[lane] = _value(s, lane, length), _value(v, lane, length)
+                time[lane] = _mean(c, lane, length)
+            total[TIME, lane] += 4.0 * length * (time[lane] - b)
+            total[STEPS, lane] += 1.0
             if turned:
-                step = _crossing(v, 0.0, step)
-            elif ended:
-                step = _crossing(s, end_s, step)
-            new_s, new_v = _value(s, step), _value(v, step)
-            if (_value(h, step) > 0.0) != pushing:
-                extremum = _value(v, _crossing(h, 0.0, step))
-                if pushing:
-                    impulse += mark - extremum
-                    lowest = min(lowest, extremum)
-                mark, pushing = extremum, not pushing
-            time += _integral(g, step)
-            work += _integral(loss, step)
-            s[0], v[0] = new_s, new_v
-            if not (np.isfinite(new_s) and np.isfinite(new_v)):
-                break
+                new_v[lane] = 0.0
+            end_s, end_v = new_s[lane], new_v[lane]
+            force = _force(end_s, end_v, b, d)
+            if (force > 0.0) != pushing[lane]:
+                extremum = _value(v, lane, _root(h, lane, 0.0, length, force))
+                if pushing[lane]:
+                    total[COMPRESSIVE_IMPULSE, lane] += mark[lane] - extremum
+                    total[LOWEST_V, lane] = min(total[LOWEST_V, lane], extremum)
+                mark[lane], pushing[lane] = extremum, not pushing[lane]
+            status = -1.0
             if turned:
-                approaching, turning_time, turning_s = False, time, new_s
-                v[0] = 0.0
-                if overdamped:
+                approaching[lane] = False
+                total[TURNING_TIME, lane], total[TURNING_S, lane] = total[TIME, lane], end_s
+                if d * b ** (1.0 / 3.0) > OVERDAMPED:
                     status = CAPTURED
-                    break
             elif ended:
                 status = REBOUND
-                break
-            elif approaching:
-                # Backwards in time, and beyond what the elastic force can turn.
-                pace = -drag * new_v
-                if drag < 0.0 and pace > 2.0 * new_s**4 and drag * drag * new_s**2 > 8.0:
-                    status = ESCAPED
-                    break
-                pull = new_s**3 * (6.0 * beta - new_s**3)
-                rest = abs(new_s**3 - 6.0 * beta) < 1e-9 * beta and new_v < 1e-9 * new_s**4
-                if rest or (overdamped and drag * new_s**2 * new_v < 2.0 * pull):
-                    status, turning_time, turning_s = CAPTURED, np.inf, (6.0 * beta) ** (1.0 / 3.0)
-                    break
-            elif drag >= 0.0:
-                left = 0.5 * new_v * new_v + _well(new_s, beta) - last
-                if new_v >= 0.0 or left < 0.0:
+            elif approaching[lane]:
+                status = _fate(end_s, end_v, b, d)
+                if status == CAPTURED:
+                    total[TURNING_TIME, lane] = math.inf
+                    total[TURNING_S, lane] = (6.0 * b) ** (1.0 / 3.0)
+            elif d >= 0.0:
+                left = 0.5 * end_v * end_v + _well(end_s, b) - _well(last, b)
+                if end_v >= 0.0 or left < 0.0:
                     status = CAPTURED
-                    break
-                if new_s - end_s < 1e-12 * end_s:  # the threshold: it stops there for ever
+                elif end_s - last < 1e-12 * last:  # the threshold: it stops there for ever
                     status = REBOUND
-                    break
-        if pushing:
-            impulse += mark - v[0]
-        lowest = min(lowest, v[0])
-        results[row, STATUS] = status
-        results[row, SPEED] = -v[0]
-        results[row, TIME] = time
-        results[row, TURNING_TIME] = turning_time
-        results[row, TURNING_S] = turning_s
-        results[row, COMPRESSIVE_IMPULSE] = impulse
-        results[row, LOWEST_V] = lowest
-        results[row, WORK] = work
+            if status < 0.0 and not (
+                total[STEPS, lane] < MAX_STEPS and math.isfinite(end_s) and math.isfinite(end_v)
+            ):
+                status = FAILED
+            if status >= 0.0:
+                if pushing[lane]:
+                    total[COMPRESSIVE_IMPULSE, lane] += mark[lane] - end_v
+                total[LOWEST_V, lane] = min(total[LOWEST_V, lane], end_v)
+                total[STATUS, lane], total[SPEED, lane] = status, -end_v
+                for column in range(RESULT_COLUMNS):
+                    results[owner[lane], column] = total[column, lane]
+                owner[lane] = -1
+                active -= 1

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, FloatArray, Real, checked
+from microimpact.core.arrays import POSITIVE, BoolArray, FloatArray, checked
 from microimpact.core.solve import TINY, roots
 from microimpact.model.empirical.data import DataSets, Places
 from microimpact.model.empirical.kernel import V_C
@@ -32,32 +32,6 @@ class Intervals(NamedTuple):
     # of the slowest rebounds: below that of the fit, if this overlooked a minimum.
     least: FloatArray
     at: FloatArray
-
-
-def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike, enough: Real = 0.0) -> FloatArray:
-    """Least chi-square (r,) of every data set with v_c held.
-
-    Parameters
-    ----------
-    sets, fit
-        The data and their fit, from which the search starts.
-    v_c
-        Capture velocity, one number or (r,), m/s; chi-square is infinite above the slowest rebound.
-    enough
-        Chi-square, one number or (r,), below which a search may end; above it a second search
-        starts elsewhere.
-    """
-    share = np.broadcast_to(checked("v_c", v_c, NON_NEGATIVE), sets.unit.shape) / sets.unit
-    gap = np.maximum(1.0 - share, CLOSEST)
-    limit = np.broadcast_to(enough, gap.shape)
-    every = np.arange(len(gap))
-    chi_square = profile(sets, every, gap, fit.logs(sets), enough=limit).chi_square
-    chi_square[share > 1.0] = np.inf
-    more = np.flatnonzero((chi_square > limit) & (share <= 1.0))
-    if more.size:
-        again = profile(sets, more, gap[more], fresh=1, enough=limit[more])
-        chi_square[more] = np.minimum(chi_square[more], again.chi_square)
-    return chi_square
 
 
 def interval_batch(sets: DataSets, fit: BatchFit, rise: ArrayLike) -> Intervals:

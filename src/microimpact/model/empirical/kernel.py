@@ -18,7 +18,7 @@ import numpy as np
 from microimpact.core.compiled import jit
 
 # A search ends where the quadratic model and the step taken lower chi-square by less than a share
-# of it, its tolerance, where no damping finds a lower point, or where chi-square is low enough.
+# of it, its tolerance, where no damping finds a lower point, or where nothing is left of it.
 STUCK = 1e10
 ITERATIONS = 300
 # Damping at the start and the least, as shares of the diagonal of the normal matrix, and the
@@ -55,9 +55,9 @@ TABLED = (0, 1, 2, 5)
 X, LOW, HIGH, TRIAL, FREE = range(0, 5 * VARIABLES, VARIABLES)
 SUMS, NEW_SUMS, FACTOR = range(25, 25 + 3 * PRODUCTS, PRODUCTS)
 EXPECTED, DAMPING, HEAVIER, LEFT, CONVERGED, LOWER = range(133, 139)
-P, EXPONENT, GAP, LARGEST, ENOUGH = range(139, 144)
+P, EXPONENT, GAP, LARGEST = range(139, 143)
 GRADIENT, CHI_SQUARE, NEW_CHI_SQUARE = SUMS + VARIABLES, SUMS + PRODUCTS - 1, FACTOR - 1
-STATE_ROWS = ENOUGH + 1
+STATE_ROWS = LARGEST + 1
 # Taylor series of exp, and that of log(m) = 2 artanh((m - 1)/(m + 1)); the highest powers first.
 _EXP = tuple(1.0 / math.factorial(k) for k in range(13, -1, -1))
 _LOG = tuple(2.0 / k for k in range(21, 0, -2))
@@ -102,7 +102,7 @@ def _log(x):  # type: ignore[no-untyped-def]
 
 
 @_jit_contract
-def enter(data, end, low, high, enough, x, lane, points, state):  # type: ignore[no-untyped-def]
+def enter(data, end, low, high, x, lane, points, state):  # type: ignore[no-untyped-def]
     """Put a search, without data that are missing, on a lane; return its number of points.
 
     Parameters
@@ -113,8 +113,6 @@ def enter(data, end, low, high, enough, x, lane, points, state):  # type: ignore
         End of the range of v_c, in units of v.
     low, high
         Bounds of the variables, (``VARIABLES``,).
-    enough
-        Sum of squares at which the search ends.
     x
         Start, (``VARIABLES``,).
     lane
@@ -137,7 +135,6 @@ def enter(data, end, low, high, enough, x, lane, points, state):  # type: ignore
     for i in range(VARIABLES):
         state[X + i, lane], state[LOW + i, lane], state[HIGH + i, lane] = x[i], low[i], high[i]
     state[CHI_SQUARE, lane], state[LEFT, lane] = np.inf, ITERATIONS + 1
-    state[ENOUGH, lane] = enough
     state[DAMPING, lane], state[HEAVIER, lane] = FIRST_DAMPING / LIGHTEN, 2.0
     return count
 
@@ -286,7 +283,7 @@ def _judge(state, tolerance):  # type: ignore[no-untyped-def]
         # Of either sign, so that rounding does not keep a search at its minimum from ending.
         flat = (abs(decrease) <= small) & (abs(expected) <= small) & (damping < LIGHT_DAMPING)
         ended = flat | (damping > STUCK)
-        ended |= state[NEW_CHI_SQUARE, lane] <= state[ENOUGH, lane]
+        ended |= state[NEW_CHI_SQUARE, lane] == 0.0
         state[CONVERGED, lane] = 1.0 if ended else 0.0
         state[LEFT, lane] = 0.0 if ended else state[LEFT, lane] - 1.0
         lower, heavier = decrease >= 0.0, state[HEAVIER, lane]
@@ -422,7 +419,7 @@ def _tabled(grid, points, count, lane, ends, near, ratios, lines, weights, sums,
 
 @_jit
 def descend_all(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
-    grid, data, owner, end, low, high, enough, stride, tolerance, x, chi_square, converged
+    grid, data, owner, end, low, high, stride, tolerance, x, chi_square, converged
 ):
     """Move every start to its minimum.
 
@@ -438,8 +435,6 @@ def descend_all(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
         End of the range of v_c, (m,).
     low, high
         Bounds of the variables, (m, ``VARIABLES``).
-    enough
-        Sums of squares at which searches end, (m,).
     stride
         Largest change of each variable in one step, (``VARIABLES``,).
     tolerance
@@ -491,9 +486,7 @@ def descend_all(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
             if begun < len(x):
                 i = begun % owner.size
                 box = low[i], high[i]
-                count[lane] = enter(
-                    data[owner[i]], end[i], *box, enough[i], x[begun], lane, points, state
-                )
+                count[lane] = enter(data[owner[i]], end[i], *box, x[begun], lane, points, state)
                 if size:
                     places = points[SPEED : POINT_ROWS * count[lane] : POINT_ROWS, lane]
                     ends[lane] = _ratios(places, size, near[lane], ratios[lane], weights[0, 0])

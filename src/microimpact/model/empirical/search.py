@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from microimpact.core.arrays import BoolArray, Columns, FloatArray, Real
+from microimpact.core.arrays import BoolArray, Columns, FloatArray
 from microimpact.model.empirical.data import DataSets, Places
 from microimpact.model.empirical.kernel import V_C, VARIABLES, Q, descend_all
 
@@ -92,7 +92,6 @@ class Search(NamedTuple):
     end: FloatArray  # Upper end of v_c (m,)
     low: FloatArray  # Bounds (m, d)
     high: FloatArray
-    enough: FloatArray  # Chi-squares below which no search goes on (m,)
     stride: FloatArray  # Largest changes in one step (d,)
     tolerance: float
 
@@ -147,7 +146,6 @@ def searches(
     least_gap: FloatArray,
     largest_gap: FloatArray,
     tolerance: float = TOLERANCE,
-    enough: Real = 0.0,
 ) -> Search:
     """One search per owner, with v_c below an end by a gap.
 
@@ -163,8 +161,6 @@ def searches(
         Bounds of the logarithm of the gap, (m,).
     tolerance
         Share of chi-square by which a last step lowers it.
-    enough
-        Chi-square at which a search ends.
     """
     top, (low, high) = sets.top[owner], np.empty((2, owner.size, VARIABLES))
     for side, bounds, scale, gap in ((0, low, 1.0, least_gap), (1, high, top, largest_gap)):
@@ -172,8 +168,7 @@ def searches(
         sides = (K_BOUNDS[side] * scale, EXPONENT_BOUNDS[side], KAPPA_BOUNDS[side] * scale, q)
         for variable, value in enumerate((*map(np.log, sides), gap)):
             bounds[:, variable] = value
-    limit = np.full(owner.shape, enough)
-    return Search(NO_TABLE, sets.points, owner, end, low, high, limit, STRIDE, tolerance)
+    return Search(NO_TABLE, sets.points, owner, end, low, high, STRIDE, tolerance)
 
 
 def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) -> FloatArray:
@@ -296,7 +291,6 @@ def profile(
     gap: FloatArray,
     *starts: FloatArray,
     fresh: int = 0,
-    enough: Real = 0.0,
 ) -> Minima:
     """Search with v_c held, for ln(k, p, kappa, q).
 
@@ -310,11 +304,9 @@ def profile(
         Starts (m, 4 or more), of which what follows ln q does not count.
     fresh
         Number of starts tried that depend on no other search.
-    enough
-        Chi-square (m,) below which no search goes on.
     """
     fixed = np.log(gap)
-    search = searches(sets, owner, np.ones(len(gap)), fixed, fixed, enough=enough)
+    search = searches(sets, owner, np.ones(len(gap)), fixed, fixed)
     points = [np.column_stack([start[:, :V_C], fixed]) for start in starts]
     points += [start_points(sets, owner, number, gap) for number in range(fresh)]
     return lowest(search, points)

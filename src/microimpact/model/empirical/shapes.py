@@ -239,5 +239,5 @@ def profile(
         starts = tuple(every[nearest])
     points, high = np.stack([at, np.zeros_like(at), e, weight], axis=1), np.tile(last, (count, 1))
     each = np.arange(count)
-    search = Search(grid, points, each, none, 0.0 * high, high, none, LONGEST * last, SHORTEST)
+    search = Search(grid, points, each, none, 0.0 * high, high, LONGEST * last, SHORTEST)
     return lowest(search, starts)

@@ -21,15 +21,15 @@ from string import Template
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from microimpact.core.arrays import FloatArray, Numbers, Real, checked, choice
+from microimpact.core.arrays import FloatArray, Numbers, checked, choice
 from microimpact.core.files import write_file
 from microimpact.model.choices import FORMATS, WALL_FORMATS
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.contact_laws import RING_FORCE
-from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import SPEED, chosen_basis, supporting_impulses
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.law.codes import FITTED, acusolve_files
+from microimpact.model.law.families import Sizes
 from microimpact.model.law.jkr import speeds_of_fit
 from microimpact.model.law.pieces import (
     SPLITS,
@@ -56,63 +56,6 @@ ROWS, SIZES = 200, 25  # of the tables for people: speeds, and diameters
 # Spheres of other sizes than the law's, by this share, take the law of the nearest.
 NEARLY = 0.01
 IMPULSE = 1  # row of the impulse in the table, beside RESTITUTION
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sizes:
-    """Contacts that differ in their diameters alone."""
-
-    middle: Contact
-    half_width: float  # of the logarithm of the diameter; 0 for a single size
-
-    @classmethod
-    def of(cls, contact: Contact) -> Sizes:
-        """Return all sizes between the smallest and the largest of a contact.
-
-        Raises ValueError if it holds contacts that differ otherwise.
-        """
-        smallest, largest = (float(end(contact.diameter)) for end in (np.min, np.max))
-        half_width = 0.5 * math.log(largest / smallest)
-        middle = contact.replace(diameter=math.sqrt(smallest * largest) if half_width else smallest)
-        if middle.shape:
-            raise ValueError(
-                "contacts to be exported must differ in diameter alone; export one at a time"
-            )
-        return cls(middle, half_width)
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """Smallest and largest diameter, m."""
-        factor = math.exp(self.half_width)
-        return float(self.middle.diameter) / factor, float(self.middle.diameter) * factor
-
-    @property
-    def captures(self) -> bool:
-        """Whether slow spheres are captured."""
-        return float(capture_velocity(self.middle)) > 0.0
-
-    def position(self, diameter: FloatArray | float) -> FloatArray:
-        """Return the position of diameters, in [-1, 1]; beyond, the nearest end."""
-        position = np.log(np.asarray(diameter) / self.middle.diameter) / (self.half_width or 1.0)
-        return np.clip(position, -1.0, 1.0)
-
-    def contact(self, position: FloatArray) -> Contact:
-        """Return the contacts at positions."""
-        if not self.half_width:
-            return self.middle
-        return self.middle.replace(
-            diameter=self.middle.diameter * np.exp(self.half_width * position)
-        )
-
-    def units(self, position: FloatArray) -> FloatArray:
-        """Unit of speed at positions, m/s: the capture velocity where there is one."""
-        contact = self.contact(position)
-        speeds: Real = 1.0 / (float(self.middle.hertz_damping) or 1.0)
-        if self.captures:
-            speeds = capture_velocity(contact)
-        elif self.middle.velocity_scale:
-            speeds = contact.velocity_scale
-        return np.broadcast_to(speeds, position.shape)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -332,7 +275,8 @@ def export(
         raise ValueError(f"format {format!r} is of a wall: two spheres have {others}")
     if format == "lammps" and contact.law is not None:
         raise ValueError(
-            f"format 'lammps' writes the force of the law {RING_FORCE!r}: LAMMPS itself has 'jkr'"
+            f"format 'lammps' writes the force of the law {RING_FORCE!r}: take 'lammps-jkr', which "
+            "fits LAMMPS's own contact"
         )
     basis = chosen_basis(contact, friction_basis)
     if format in FITTED:

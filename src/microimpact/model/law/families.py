@@ -13,14 +13,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.arrays import BoolArray, FloatArray, Real
 from microimpact.model import passes
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics import kernel
-from microimpact.model.dynamics.capture import scaled_capture_velocity
+from microimpact.model.dynamics.capture import capture_velocity, scaled_capture_velocity
 from microimpact.model.dynamics.normal import (
     ALWAYS_CAPTURED_ADHESION_GROUP,
     ALWAYS_CAPTURED_HERTZ_GROUP,
+    integrate,
+    normal_impact,
 )
 
 # Relative difference of numbers computed in another order.
@@ -186,11 +188,7 @@ class Family:
                 fields[passes.PLACE] = np.log(scale / self.velocity_scale) / self.half_width
         else:
             fields[passes.LENGTH] = self.scales(contact, np.ones(()))[0]
-        shape = shape if contact.shape else (1,)
-        columns = np.zeros((*shape, len(passes.CONTACT_COLUMNS)))
-        for column, values in fields.items():
-            columns[..., column] = values
-        return columns.reshape(-1, columns.shape[-1])
+        return _stacked(fields, shape if contact.shape else (1,))
 
     def groups(self, w: FloatArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Damping groups C_H and, at the scaled speed w, C_A."""
@@ -230,6 +228,176 @@ class Family:
             problems[:, kernel.DAMPING_1] = adhesion
         problems[:, kernel.ALWAYS_CAPTURED] = always_captured
         return problems
+
+    def impacts(
+        self, w: FloatArray, position: FloatArray, *, ledger: bool, captured: bool = False
+    ) -> tuple[FloatArray, BoolArray]:
+        """Integrate impacts: quantities (WIDTH, n), and the captured ones (n,).
+
+        Parameters
+        ----------
+        w, position
+            Coordinates, see `coordinates`.
+        ledger
+            Whether the impulse of the Hertz term is wanted, too.
+        captured
+            Whether none is to be followed beyond its turning point.
+        """
+        problems = self.problems(w, position)
+        if captured:
+            problems[:, kernel.ALWAYS_CAPTURED] = 1.0
+        results = integrate(problems, ledger=ledger)
+        return quantities(problems, results), results[:, kernel.STATUS] == kernel.CAPTURED
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sizes:
+    """Contacts, by any law, that differ in their diameters alone; see `Family`.
+
+    Their scales are the unit of speed, the radius of the sphere and its mass.
+    """
+
+    middle: Contact
+    half_width: float  # of the logarithm of the diameter; 0 for a single size
+    adhesive = True  # as a family: its scales do not go with the speed
+
+    @classmethod
+    def of(cls, contact: Contact) -> Sizes:
+        """Return all sizes between the smallest and the largest of a contact.
+
+        Raises NoTableError if it holds contacts that differ otherwise.
+        """
+        smallest, largest = (float(end(contact.diameter)) for end in (np.min, np.max))
+        half_width = 0.5 * math.log(largest / smallest)
+        middle = contact.replace(diameter=math.sqrt(smallest * largest) if half_width else smallest)
+        if middle.shape:
+            raise NoTableError(
+                "contacts of a table must differ in diameter alone; take one at a time"
+            )
+        return cls(middle, half_width)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Smallest and largest diameter, m."""
+        factor = math.exp(self.half_width)
+        return float(self.middle.diameter) / factor, float(self.middle.diameter) * factor
+
+    @property
+    def captures(self) -> bool:
+        """Whether slow spheres are captured."""
+        return float(capture_velocity(self.middle)) > 0.0
+
+    def position(self, diameter: Real, *, beyond: bool = False) -> FloatArray:
+        """Return the position of diameters, in [-1, 1]; other sizes are at the nearest end.
+
+        Parameters
+        ----------
+        diameter
+            m.
+        beyond
+            Whether other sizes are where they are, beyond the ends.
+        """
+        position = np.log(np.asarray(diameter) / self.middle.diameter) / (self.half_width or 1.0)
+        return position if beyond else np.clip(position, -1.0, 1.0)
+
+    def contact(self, position: FloatArray) -> Contact:
+        """Return the contacts at positions."""
+        if not self.half_width:
+            return self.middle
+        return self.middle.replace(
+            diameter=self.middle.diameter * np.exp(self.half_width * position)
+        )
+
+    def units(self, position: FloatArray) -> FloatArray:
+        """Unit of speed at positions, m/s: the capture velocity where there is one."""
+        contact = self.contact(position)
+        speeds: Real = 1.0 / (float(self.middle.hertz_damping) or 1.0)
+        if self.captures:
+            speeds = capture_velocity(contact)
+        elif self.middle.velocity_scale:
+            speeds = contact.velocity_scale
+        return np.broadcast_to(speeds, position.shape)
+
+    @property
+    def velocity_scale(self) -> float:
+        """Unit of speed of the middle size, m/s."""
+        return float(self.units(np.zeros(1))[0])
+
+    @property
+    def alike(self) -> bool:
+        """Whether there is one size only."""
+        return self.half_width == 0.0
+
+    def require(self, contact: Contact) -> None:
+        """Refuse contacts that differ in more than their diameter, with a NoTableError."""
+        alike = Sizes.of(contact).middle.replace(diameter=self.middle.diameter)
+        if type(alike.law) is not type(self.middle.law) or not all(
+            abs(a - b) <= LIKE * abs(b)
+            for a, b in zip(_numbers(alike), _numbers(self.middle), strict=True)
+        ):
+            raise NoTableError("contact must be one that the table was made for, but for its size")
+
+    def coordinates(self, contact: Contact, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Speed in its unit, and position; see `Family.coordinates`."""
+        position = self.position(contact.diameter, beyond=True)
+        w = np.asarray(speed / self.units(position))
+        return w, np.zeros(1) if self.alike else np.broadcast_to(position, w.shape)
+
+    def scales(self, contact: Contact, _: FloatArray) -> tuple[Real, Real, Real]:
+        """Units of length, velocity and mass of impacts."""
+        return (
+            contact.radius,
+            self.units(self.position(contact.diameter, beyond=True)),
+            contact.mass,
+        )
+
+    def columns(self, contact: Contact, shape: tuple[int, ...]) -> FloatArray:
+        """Columns of contacts (n, columns); see `Family.columns`."""
+        length, velocity, _ = self.scales(contact, np.ones(()))
+        fields: dict[int, Real] = {passes.RADIUS: contact.radius, passes.FRICTION: contact.friction}
+        fields |= {passes.UNIT: velocity, passes.VELOCITY: velocity, passes.LENGTH: length}
+        fields |= {passes.TIME: length / velocity}
+        if not self.alike:
+            fields[passes.PLACE] = self.position(contact.diameter, beyond=True)
+        return _stacked(fields, shape if contact.shape else (1,))
+
+    def capture_speed(self, position: FloatArray) -> FloatArray:
+        """Capture velocity in units of speed."""
+        return np.full(position.shape, float(self.captures))
+
+    def impacts(
+        self, w: FloatArray, position: FloatArray, **_: bool
+    ) -> tuple[FloatArray, BoolArray]:
+        """Impacts at coordinates; see `Family.impacts`."""
+        contact = self.contact(position)
+        length, velocity, mass = self.scales(contact, w)
+        impact = normal_impact(contact, w * velocity)
+        impulse = mass * velocity
+        values = np.zeros((passes.WIDTH, w.size))
+        values[passes.RESTITUTION] = impact.coefficient_of_restitution
+        values[passes.CONTACT_TIME] = impact.contact_time * velocity / length
+        values[passes.COMPRESSION_TIME] = impact.compression_time * velocity / length
+        values[passes.COMPRESSION] = impact.maximum_compression / length
+        values[passes.COMPRESSIVE] = impact.compressive_impulse / impulse
+        values[passes.PEAK] = impact.peak_net_impulse / impulse
+        stays = np.asarray(impact.captured)
+        values[passes.COMPRESSIVE :, stays] = 0.0
+        return values, stays
+
+
+def _numbers(contact: Contact) -> list[float]:
+    """Numbers that decide a normal impact by a law."""
+    law = contact.law
+    bodies = contact.mass, contact.hertz_radius, contact.hertz_stiffness, contact.work_of_adhesion
+    return [float(x) for x in (*bodies, *(law.parameters.values() if law else ()))]
+
+
+def _stacked(fields: dict[int, Real], shape: tuple[int, ...]) -> FloatArray:
+    """Columns for a compiled pass, (n, columns)."""
+    columns = np.zeros((*shape, len(passes.CONTACT_COLUMNS)))
+    for column, values in fields.items():
+        columns[..., column] = values
+    return columns.reshape(-1, columns.shape[-1])
 
 
 def quantities(problems: FloatArray, results: FloatArray) -> FloatArray:

@@ -32,16 +32,16 @@ from microimpact.core.arrays import (
 from microimpact.core.solve import IntArray
 from microimpact.model import passes
 from microimpact.model.contact import Contact, require_contact
-from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.impact import (
+    PULL_OFF,
     SPEED,
     Impact,
     incident,
     planar_fields,
     velocity_components,
 )
-from microimpact.model.dynamics.normal import NormalImpact, integrate
-from microimpact.model.law.families import Family, NoTableError, quantities
+from microimpact.model.dynamics.normal import NormalImpact
+from microimpact.model.law.families import Family, NoTableError, Sizes
 from microimpact.model.law.pieces import (
     NOTHING,
     SPLITS,
@@ -57,7 +57,7 @@ from microimpact.model.law.pieces import (
     slowness,
 )
 
-TOLERANCE = 1e-9
+TOLERANCE, TOLERANCE_BY_LAW = 1e-9, 1e-6
 
 # Relative distance from the capture velocity within which impacts are integrated.
 THRESHOLD = 2.0**-9
@@ -97,7 +97,7 @@ class Law:
     """
 
     contact: Contact
-    family: Family
+    family: Family | Sizes
     fastest: float
     slowness: FloatArray
     rebounds: Table
@@ -142,6 +142,11 @@ class Law:
         speed, angle, _ = states = [passes.flat(values, shape) for values in columns]
         contacts = self.family.columns(self.contact, shape)
         out, flags = passes.outcomes(shape)
+        if friction_basis == PULL_OFF:
+            raise ValueError(
+                f"friction_basis {PULL_OFF!r} is not in a table: take 'compressive' or 'net' here, "
+                "or integrate with microimpact.simulate"
+            )
         support = passes.SUPPORT[friction_basis]
 
         def run(which: IntArray, integrated: FloatArray) -> None:
@@ -158,7 +163,7 @@ class Law:
             rows, toward, tilt = (a[rest % len(a)] for a in (contacts, speed, angle))
             w = -velocity_components(toward, tilt)[0] / rows[:, passes.UNIT]
             position = rows[:, passes.PLACE]
-            run(rest, self._integrated(w, position)[0])
+            run(rest, self.family.impacts(w, position, ledger=True)[0])
             out[passes.OUT_ERROR, rest] = self._error(w, position)
         fields = {"contact_time": passes.OUT_CONTACT_TIME, "interpolation_error": passes.OUT_ERROR}
         fields |= {"maximum_compression": passes.OUT_COMPRESSION}
@@ -203,18 +208,10 @@ class Law:
         rest = np.flatnonzero(np.isnan(values[passes.RESTITUTION]))
         captured = values[passes.CONTACT_TIME] == np.inf
         if rest.size:
-            values[:, rest], captured[rest] = self._integrated(
-                w[rest], np.broadcast_to(position, w.shape)[rest]
+            values[:, rest], captured[rest] = self.family.impacts(
+                w[rest], np.broadcast_to(position, w.shape)[rest], ledger=True
             )
         return values, captured
-
-    def _integrated(
-        self, w: FloatArray, position: FloatArray, *, ledger: bool = True
-    ) -> tuple[FloatArray, BoolArray]:
-        """Integrate impacts: quantities (WIDTH, n), and the captured ones (n,)."""
-        problems = self.family.problems(w, position)
-        results = integrate(problems, ledger=ledger)
-        return quantities(problems, results), results[:, kernel.STATUS] == kernel.CAPTURED
 
     def restitution(self, w: FloatArray, position: FloatArray) -> FloatArray:
         """Coefficients of restitution (n,) at coordinates as of `quantities`; 0 where captured."""
@@ -223,7 +220,8 @@ class Law:
         rest = np.flatnonzero(np.isnan(e))
         if rest.size:
             positions = np.broadcast_to(position, w.shape)[rest]
-            e[rest] = self._integrated(w[rest], positions, ledger=False)[0][passes.RESTITUTION]
+            values, _ = self.family.impacts(w[rest], positions, ledger=False)
+            e[rest] = values[passes.RESTITUTION]
         return e
 
     def normal_impact(self, contact: Contact, speed: Real, *, threads: int = 1) -> NormalImpact:
@@ -277,7 +275,9 @@ class Law:
             return np.asarray(self.error + passes.ROUNDING / excess)
 
 
-def tabulate(contact: Contact, slowest: float, fastest: float, tolerance: float = TOLERANCE) -> Law:
+def tabulate(
+    contact: Contact, slowest: float, fastest: float, tolerance: float | None = None
+) -> Law:
     """Tabulate the law of normal impacts of some contacts, for ensembles of many impacts.
 
     It takes some hundredths of a second, and pays from about 100,000 impacts on.
@@ -286,12 +286,14 @@ def tabulate(contact: Contact, slowest: float, fastest: float, tolerance: float 
     ----------
     contact
         One contact, or an array of contacts that share their damping, or their damping groups:
-        spheres of many diameters, say.
+        spheres of many diameters, say. By another law than the ring force they differ in their
+        diameters alone.
     slowest, fastest
         Normal speeds of approach between which the table holds, m/s, positive; impacts beyond are
         integrated.
     tolerance
-        Largest relative error from interpolation.
+        Largest relative error from interpolation; 1e-9 if not given, by another law than the ring
+        force 1e-6, for such laws have kinks.
 
     Returns
     -------
@@ -306,13 +308,15 @@ def tabulate(contact: Contact, slowest: float, fastest: float, tolerance: float 
         A ValueError: if the contacts share neither, if at no speed a sphere of them rebounds, or if
         no table reaches the tolerance.
     """
-    require_contact(contact, pair=True)
+    require_contact(contact, any_law=True, pair=True)
     slowest = float(checked("slowest", slowest, SPEED))
     fastest = float(
         checked("fastest", fastest, Range(lower=slowest, upper=SPEED.upper, lower_closed=True))
     )
+    if tolerance is None:
+        tolerance = TOLERANCE_BY_LAW if contact.law else TOLERANCE
     tolerance = float(checked("tolerance", tolerance, TOLERANCES))
-    family = Family.of(contact)
+    family = Sizes.of(contact) if contact.law else Family.of(contact)
     slow, fast = (family.coordinates(contact, np.asarray(v))[0] for v in (slowest, fastest))
     slowness = _slowness(family)
     least, greatest = float(np.min(slow)), float(np.max(fast))
@@ -345,7 +349,7 @@ def _span(lowest: float, highest: float) -> tuple[int, int]:
     return max(math.frexp(lowest)[1], last - MOST_OCTAVES + 1), last
 
 
-def _slowness(family: Family) -> FloatArray:
+def _slowness(family: Family | Sizes) -> FloatArray:
     """Chebyshev coefficients of one over the capture velocity, in velocity scales."""
     if not np.any(family.capture_speed(between(1))):
         return np.zeros(0)
@@ -353,7 +357,7 @@ def _slowness(family: Family) -> FloatArray:
 
 
 def _fitted(
-    family: Family,
+    family: Family | Sizes,
     slowness: FloatArray,
     span: tuple[int, int],
     tolerance: float,
@@ -366,13 +370,8 @@ def _fitted(
         w = x
         if slowness.size:
             w = (x if captured else 1.0 + x) / chebyshev.chebval(position, slowness)
-        problems = family.problems(w, position)
-        if captured:
-            problems[:, kernel.ALWAYS_CAPTURED] = 1.0
-        results = integrate(problems, ledger=True)
-        values = quantities(problems, results)
-        wrong = (results[:, kernel.STATUS] == kernel.CAPTURED) != captured
-        values[:, wrong] = np.nan
+        values, stays = family.impacts(w, position, ledger=True, captured=captured)
+        values[:, stays != captured] = np.nan
         if captured:
             values[passes.CONTACT_TIME] = 0.0  # really infinite, and not asked of the table
         return values
@@ -406,5 +405,6 @@ def _tried(
                 return made
             error = min(error, made.error)
     raise NoTableError(
-        f"no table reaches the tolerance {tolerance:g}; the closest comes to {SAFETY * error:.1g}"
+        f"no table reaches the tolerance {tolerance:g}; the closest comes to {SAFETY * error:.1g}: "
+        "give a larger one"
     )

@@ -4,15 +4,17 @@ Data sets have the restitution of a true curve with noise, over speeds from a lo
 spheres that seem captured are not among them. Every design has random numbers of its own, by what
 it is, so that designs are independent and none changes with the others.
 
-Designs of the average, and what they gave, are the rows of ``config/fit_coverage.csv``. A run
-computes those that it names anew; ``config/examples/fit-coverage.yaml`` all of them.
+Designs of the average, and what they gave, are the rows of ``config/fit_coverage.csv``; how often
+contacts drawn by several laws hold the capture velocity of other sizes those of
+``config/capture_predictions.csv``. A run computes what it names again;
+``config/examples/fit-coverage.yaml`` all of it.
 """
 
 from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, product
 from typing import Annotated, Any, Literal, NamedTuple
@@ -35,6 +37,8 @@ from microimpact.model.empirical.data import DataSets, data_sets, stacked_sets
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.intervals import interval_batch
 from microimpact.model.empirical.search import BatchFit, fit_batch
+from microimpact.model.law_draws import calibrate_laws
+from microimpact.model.posterior import NoConvergenceError
 from microimpact.statistics.distributions import generator
 from microimpact.statistics.intervals import wilson_interval
 from study.declared.parameters import CaseName
@@ -48,14 +52,18 @@ NEEDS = {
 
 ANALYSIS = 34
 EQ_34, SIMULATION, VISCOUS, PLASTIC = "Eq. 34", "simulation", "viscous JKR", "Thornton-Ning"
+# The ring force with a rate exponent between those of the cases, v_N the capture velocity.
+BETWEEN, RATE = "ring force, n = 0.7", 0.7
 # e = 0.85 sqrt(1 - (v_c/v)^2) (v_c/v)^(1/4), which no model has.
 FOREIGN = "foreign curve"
 LARGEST_E, FALL = 0.85, 0.25
 # v_c ~ 1/d^n of the curves without a contact: Dahneke (1971), and the work of a JKR contact.
 EXPONENTS = {EQ_34: 1.0, FOREIGN: 5.0 / 6.0}
 ENDS = ("coverage_low", "coverage_high")
-# Between marks of the same scatter, %.
-APART = 0.3
+# Sizes, over that measured, at which contacts are to predict the capture velocity, and how surely.
+SIZES, LEVEL = (1.0 / 3.0, 0.5, 1.0, 2.0), 0.9
+# Between marks of the same scatter, %, and of the same size, as a factor.
+APART, SIZES_APART = 0.3, 1.08
 QUANTITIES = {"bias": "bias", "rms_error": "rms", "coverage": "coverage"}
 
 Speeds = Annotated[tuple[AboveOne, ...], Field(min_length=1)]
@@ -86,6 +94,8 @@ class Averaged:
     plastic: Plastic
     # Of the file, to be computed
     designs: Annotated[tuple[Name, ...], Field(min_length=1)] | Literal["all"]
+    # Data sets of each law whose contacts predict other sizes; 0: as in the file
+    predicted: Annotated[int, Field(ge=0)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -148,6 +158,7 @@ class Trial(NamedTuple):
 
 ALIKE = Spheres()
 TRIED = read_table(declared_file("fit_coverage.csv"))
+PREDICTED = read_table(declared_file("capture_predictions.csv"))
 
 
 def fit_designs(params: Params) -> list[Design]:
@@ -176,6 +187,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``fit_coverage``: errors of v_c by Eq. (34) and coverage of its profile interval, with q free
     and fixed. ``averaged_intervals``: coverage, width and warnings of the average of all models in
     the designs that the run names; of the others those of the file are drawn.
+    ``capture_predictions``: coverage of v_c at other sizes by contacts drawn by several laws.
     ``capture_recovery``, ``averaged_coverage``: data of the figures. Raises ValueError if noise
     hides so many rebounds that too few are left to fit.
     """
@@ -183,10 +195,15 @@ def run(params: Params, inputs: Tables) -> Tables:
     pairs = zip(*(_fit_rows(params, inputs, q) for q in exponents), strict=True)
     fits = pd.DataFrame(list(chain.from_iterable(pairs)))
     averages = pd.DataFrame(list(_averaged_rows(params, inputs)))
+    predictions = PREDICTED
+    if params.averaged.predicted:
+        predictions = pd.DataFrame(list(_predicted_rows(params, inputs)))
+    drawn = averaged_figure(_with_tried(averages), params.confidence)
     return {
         "fit_coverage": fits,
         "averaged_intervals": averages,
-        "averaged_coverage": averaged_figure(_with_tried(averages), params.confidence),
+        "capture_predictions": predictions,
+        "averaged_coverage": pd.concat([drawn, predicted_figure(predictions)], ignore_index=True),
         "capture_recovery": fit_figure(fits, params.confidence),
     }
 
@@ -194,6 +211,10 @@ def run(params: Params, inputs: Tables) -> Tables:
 def true_contact(params: Params, inputs: Tables, truth: str) -> Contact:
     """Contact whose simulated restitution is a true curve."""
     settings = params.averaged
+    if truth == BETWEEN:
+        contact = calibrated_contact(inputs, params.case)
+        limit = float(capture_velocity(contact))
+        return contact.replace(adhesion_rate_exponent=RATE, reference_velocity=limit)
     if truth not in {VISCOUS, PLASTIC}:
         return calibrated_contact(inputs, params.case if truth == SIMULATION else truth)
     bare = calibrated_contact(inputs, settings.cases[0])
@@ -326,6 +347,39 @@ def _arguments(trial: Trial, v: FloatArray, e: FloatArray) -> tuple[Any, ...]:
     return v[kept], e[kept], sigma, spheres.speed_error * v[kept], None, size
 
 
+def _predicted_rows(params: Params, inputs: Tables) -> Iterator[Row]:
+    """Rows of capture velocities at other sizes, from contacts that rebounds of one size admit."""
+    few = replace(params, sets=params.averaged.predicted)
+    for truth in (BETWEEN, VISCOUS):
+        contact = true_contact(params, inputs, truth)
+        v_c = float(capture_velocity(contact))
+        design = Design(truth, params.noise_of_e[0], params.lowest_speeds_in_v_c[0])
+        intervals = []
+        for ratio, e in zip(*measured(few, inputs, design), strict=True):
+            kept = e > 0.0
+            try:
+                drawn = calibrate_laws(contact, ratio[kept] * v_c, e[kept], design.noise_of_e)
+            except NoConvergenceError:
+                continue
+            limits = drawn.of_all(_at_other_sizes)
+            intervals.append(np.quantile(limits, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL], axis=1))
+        shares = np.transpose(intervals) / _at_other_sizes(contact)[:, None, None]
+        for size, ends in zip(SIZES, np.swapaxes(shares, 1, 2), strict=True):
+            yield {
+                **design._asdict(),
+                "size": size,
+                **_coverage(ends),
+                "without_convergence": few.sets - len(ends),
+                "evidence": "virtual experiment",
+            }
+
+
+def _at_other_sizes(contact: Contact) -> FloatArray:
+    """Capture velocities of `SIZES`, over that measured, (sizes, ...)."""
+    sizes = np.reshape(SIZES, (-1,) + (1,) * len(contact.shape))
+    return capture_velocity(contact.replace(diameter=sizes * contact.diameter))
+
+
 def _with_tried(averages: pd.DataFrame) -> pd.DataFrame:
     """Rows of all designs: those of this run, and of the file where it has none."""
     others = TRIED[~TRIED["design"].isin(averages["design"]) & TRIED["sets"].notna()]
@@ -397,3 +451,17 @@ def averaged_figure(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
         ends = np.array([x.min(), x.max()])
         frames.append(_frame(panel, "nominal", ends, confidence))
     return pd.concat(frames, ignore_index=True)
+
+
+def predicted_figure(table: pd.DataFrame) -> pd.DataFrame:
+    """Coverage of predicted capture velocities over the size, by true law; marks moved apart."""
+    panel = "at other sizes"
+    frames = []
+    for number, (truth, rows) in enumerate(table.groupby("truth", sort=False)):
+        coverage = [rows[name].astype(float) for name in ("coverage", *ENDS)]
+        size = rows["size"].astype(float) * SIZES_APART ** (number - 0.5)
+        frames.append(
+            _frame(panel, str(truth), size, coverage[0], "virtual experiment", *coverage[1:])
+        )
+    ends = table["size"].astype(float).agg(["min", "max"])
+    return pd.concat([*frames, _frame(panel, "nominal", ends, LEVEL)], ignore_index=True)

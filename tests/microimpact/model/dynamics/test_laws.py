@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.polynomial import Chebyshev
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import beta
@@ -160,6 +161,28 @@ class TestJKR:
         }.items():
             assert getattr(closed, name) == pytest.approx(getattr(followed, name), rel=error)
 
+    @pytest.mark.parametrize("viscous_time", [3e-10, 3e-9, 2e-8])
+    def test_outcomes_are_smooth_in_the_size_and_do_not_depend_on_the_company(
+        self, build, viscous_time
+    ):
+        """A polynomial through all of them leaves rounding alone."""
+        position = np.linspace(-1.0, 1.0, 301)
+        contact = build(JKR(viscous_time=viscous_time), diameter=62e-6 * np.exp(0.05 * position))
+        impact = normal_impact(contact, 8.0 * capture_velocity(contact))
+        for name in (
+            "coefficient_of_restitution",
+            "contact_time",
+            "compressive_impulse",
+            "peak_net_impulse",
+        ):
+            values = getattr(impact, name) / getattr(impact, name)[0]
+            smooth = Chebyshev.fit(position, values, 10)(position)
+            np.testing.assert_allclose(values, smooth, rtol=1e-11)
+        alone = normal_impact(
+            contact.at((slice(3, 8),), contact.shape), 8.0 * capture_velocity(contact)[3:8]
+        )
+        assert np.array_equal(alone.contact_time, impact.contact_time[3:8])
+
     def test_a_bulk_too_viscous_captures_at_any_speed(self, build):
         contact = build(JKR(viscous_time=1e-5))
         assert capture_velocity(contact) == math.inf
@@ -311,14 +334,61 @@ class TestEveryLaw:
         whole = contact.mass * 0.4 * (1 + impact.coefficient_of_restitution)
         assert slid.impulse_ratio == pytest.approx(0.15 * (1 + extra / whole), rel=1e-9)
 
-    def test_what_needs_the_ring_force_says_so(self, build, law):
+    @pytest.mark.parametrize("basis", ["compressive", "net", "pull-off"])
+    def test_the_path_ends_as_the_impact_and_obeys_newton(self, build, law, basis):
         contact = build(law)
-        said = f"contact must have the law 'ring force' here, got '{law.name}'"
-        for call in (trajectory, lambda c, v: tabulate(c, v, 2 * v)):
-            with pytest.raises(ValueError, match=said):
-                call(contact, 1.0)
+        impact = simulate(contact, 1.66, 60.0, 100.0, friction_basis=basis)
+        path = trajectory(contact, 1.66, 60.0, 100.0, points=2000, friction_basis=basis)
+        ends = {
+            "time": impact.contact_time,
+            "velocity": impact.normal_velocity,
+            "tangential_velocity": impact.tangential_velocity,
+            "spin": impact.spin,
+        }
+        for name, value in ends.items():
+            assert getattr(path, name)[-1] == pytest.approx(value, rel=1e-8)
+        assert path.compression.max() == pytest.approx(impact.maximum_compression, rel=1e-5)
+        pushed = np.gradient(path.velocity, path.time)[2:-2] * contact.mass
+        greatest = path.normal_force.max()
+        np.testing.assert_allclose(path.normal_force[2:-2] / greatest, pushed / greatest, atol=1e-4)
+        lost = -np.trapezoid(path.hertz_damping_force * path.velocity, path.time)
+        if isinstance(law, JKR):
+            bulk = normal_impact(contact, 1.66 * math.sin(math.radians(60.0))).losses.bulk
+            assert lost == pytest.approx(bulk, rel=1e-4, abs=1e-6 * impact.energy_loss)
+
+    def test_a_captured_sphere_is_followed_to_its_second_turn(self, build, law):
+        contact = build(law)
+        path = trajectory(contact, 0.9 * capture_velocity(contact))
+        assert path.captured
+        assert path.velocity[-1] == pytest.approx(0.0, abs=1e-6 * path.velocity.max())
+        assert path.compression[-1] < 0.5 * path.compression.max()
+
+    def test_a_table_over_sizes_is_integration(self, build, law):
+        contact = build(law, diameter=np.geomspace(40e-6, 80e-6, 5))
+        tolerance = 1e-4 if isinstance(law, ThorntonNing) else 1e-6
+        table = tabulate(contact, 1e-3, 20.0, tolerance)
+        speed = np.geomspace(2e-3, 19.0, 300)[:, None]
+        looked_up, integrated = table.simulate(speed, 60.0), simulate(contact, speed, 60.0)
+        assert np.array_equal(looked_up.captured, integrated.captured)
+        assert table.error <= tolerance
+        for name in ("coefficient_of_restitution", "maximum_compression", "contact_time"):
+            finite = np.isfinite(integrated.contact_time)
+            expected, found = (getattr(i, name)[finite] for i in (integrated, looked_up))
+            bound = looked_up.interpolation_error[finite] * expected
+            assert np.all(np.abs(found - expected) <= bound)
+        other = contact.replace(work_of_adhesion=0.6)
+        with pytest.raises(ValueError, match="one that the table was made for"):
+            table.normal_impact(other, 1.0)
+        with pytest.raises(ValueError, match="'pull-off' is not in a table: take 'compressive'"):
+            table.simulate(1.0, 60.0, friction_basis="pull-off")
+
+    def test_what_needs_the_ring_force_says_what_to_do(self, build, law):
+        contact = build(law)
+        with pytest.raises(ValueError, match=f"'ring force', got '{law.name}': take 'rigid'"):
+            simulate(contact, 1.0, 45.0, tangential="mindlin")
         with pytest.raises(ValueError, match=f"'hertz' does not go with the law '{law.name}'"):
             simulate(contact, 1.0, 45.0, friction_basis="hertz")
+        said = f"contact must have the law 'ring force' here, got '{law.name}'"
         with pytest.raises(ValueError, match=said):
             normal_impact(contact, 1.0, ledger=True)
 

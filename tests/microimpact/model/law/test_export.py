@@ -536,7 +536,7 @@ def test_contacts_that_cannot_be_one_law_are_refused(pair, tmp_path):
     jkr = pair.replace(
         hertz_damping=0.0, adhesion_damping=0.0, adhesion_rate_exponent=0.0, law="jkr"
     )
-    with pytest.raises(ValueError, match="LAMMPS itself has 'jkr'"):
+    with pytest.raises(ValueError, match="take 'lammps-jkr'"):
         export(jkr, tmp_path, "lammps", FASTEST)
     slow = 0.5 * float(capture_velocity(pair))
     with pytest.raises(ValueError, match="fastest must be above the capture velocity"):
