@@ -151,18 +151,6 @@ def test_a_bounce_is_an_impact_again():
     assert len(with_later_impacts(first, later, 0)) == 3
 
 
-def test_records_of_a_quiet_analyser_are_the_passages():
-    found = passages(impacts([0.75, 1.66, 0.3], [0.5, 1.2, 0.0]), H, QUIET)
-    stream, truth = records(found, 10.0, QUIET, np.random.default_rng(1))
-    assert truth.leg.tolist() == [0, 1, 0, 1, 0]
-    assert truth.impact.tolist() == [0, 0, 1, 1, 2]
-    passed = truth.leg, truth.impact
-    assert np.array_equal(stream.time, found.time[passed])
-    assert np.array_equal(stream.velocity, found.velocity[passed])
-    assert np.array_equal(stream.diameter, found.diameter[truth.impact])
-    assert np.array_equal(truth.recorded, found.crossed)
-
-
 def test_noise_is_as_declared():
     n = 20000
     apart = np.arange(n) * 1e-2 + np.random.default_rng(3).uniform(0.0, 5e-3, n)
