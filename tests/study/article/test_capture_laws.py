@@ -8,11 +8,7 @@ import numpy as np
 import pytest
 
 from microimpact import Contact, Material
-from microimpact.model.closed_forms import (
-    plastic_restitution,
-    sticking_restitution,
-    yield_velocity,
-)
+from microimpact.model.closed_forms import plastic_restitution, sticking_restitution, yield_velocity
 
 LAWS = ["model", "jkr", "brach_dunn_1992", "dahneke_1971"]
 MOLYBDENUM = "fluorescein-molybdenum, nominal"

@@ -29,9 +29,7 @@ pytestmark = pytest.mark.slow
 SHIPPED = read_claims(ROOT / "config/claims.yaml")
 DATA = [name for name, claim in SHIPPED.items() if claim.break_ and claim.break_.is_data]
 # Breaks whose verdict is found without them already, so that they show nothing.
-MUTE = {
-    "C84": "no cause tried turns the rise below 15 deg, of three error bars, into a fall",
-}
+MUTE = {"C84": "no cause tried turns the rise below 15 deg, of three error bars, into a fall"}
 # So small that verdicts may be others: only what cannot be computed is looked at.
 LEAST = {
     "sampling": {"impacts": 200},

@@ -107,16 +107,8 @@ def test_printed_restitution_is_not_drawn_of_another_particle(run, settings):
             r"^rolling_dissipation.angles_deg\[1\]: 90.0 must be .* 90$",
         ),
         ("rolling_dissipation", {"angles_deg": [45.0, 30.0]}, "must ascend"),
-        (
-            "capture_velocities",
-            {"largest_diameter_um": 0.5},
-            "must be above smallest_diameter_um",
-        ),
-        (
-            "capture_velocities",
-            {"pairs": {"nothing": {}}},
-            "'nothing' is not declared in cases",
-        ),
+        ("capture_velocities", {"largest_diameter_um": 0.5}, "must be above smallest_diameter_um"),
+        ("capture_velocities", {"pairs": {"nothing": {}}}, "'nothing' is not declared in cases"),
     ],
 )
 def test_wrong_parameters_are_refused_by_name(run, study, changes, message):

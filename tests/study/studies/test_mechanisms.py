@@ -21,13 +21,7 @@ from study.studies.experiments.mechanisms.speed_and_angle import rigid_loss
 from study.studies.experiments.mechanisms.spin import rolling_limit
 from study.studies.experiments.mechanisms.spore import off_centre
 from study.studies.experiments.pile_up import onset
-from study.studies.samples import (
-    Dropped,
-    Sample,
-    Sampling,
-    difference_columns,
-    half_width,
-)
+from study.studies.samples import Dropped, Sample, Sampling, difference_columns, half_width
 
 SAMPLING = Sampling(seed=5, impacts=800, events=40, angle_error_deg=0.25, dispenser=STILL)
 STEEL = Dropped(

@@ -10,13 +10,7 @@ from scipy.constants import g
 
 from microimpact.lab.bounces import with_later_impacts
 from microimpact.lab.events import Impacts
-from microimpact.lab.pdpa.analyser import (
-    INCIDENT,
-    REBOUND,
-    Analyser,
-    passages,
-    records,
-)
+from microimpact.lab.pdpa.analyser import INCIDENT, REBOUND, Analyser, passages, records
 from microimpact.lab.surface import Rebound
 
 H = 1e-3

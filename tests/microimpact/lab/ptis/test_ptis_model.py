@@ -7,12 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from scipy import stats
-from tests.microimpact.lab.ptis.imaging_cases import (
-    INSTRUMENT,
-    generator,
-    impacts,
-    setup_for,
-)
+from tests.microimpact.lab.ptis.imaging_cases import INSTRUMENT, generator, impacts, setup_for
 
 from microimpact.lab.ptis import errors
 from microimpact.lab.ptis.exposure import CAPTURED, MEASURED, OFF_SHEET

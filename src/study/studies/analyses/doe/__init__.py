@@ -31,14 +31,7 @@ from microimpact.statistics.effects import (
     product,
     quarter_fractions,
 )
-from study.declared.parameters import (
-    AboveOne,
-    CaseName,
-    Must,
-    Name,
-    OpenShare,
-    Positive,
-)
+from study.declared.parameters import AboveOne, CaseName, Must, Name, OpenShare, Positive
 from study.studies.analyses.doe.factors import (
     FACTORS,
     LETTERS,

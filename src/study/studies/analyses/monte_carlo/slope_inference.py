@@ -14,12 +14,7 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.statistics.distributions import Constant, Normal
 from study.declared.parameters import AngleDegrees, Count, Must, NonNegative, Positive
-from study.studies.analyses.monte_carlo.ensembles import (
-    Ensemble,
-    Plan,
-    estimate,
-    replicate_shares,
-)
+from study.studies.analyses.monte_carlo.ensembles import Ensemble, Plan, estimate, replicate_shares
 from study.tables import Row
 
 # Standard deviation of a quantity that may lie anywhere within one half-width.

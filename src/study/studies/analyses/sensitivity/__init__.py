@@ -29,11 +29,7 @@ from study.studies.analyses.doe.factors import (
     factor_values,
     flat_family,
 )
-from study.studies.analyses.sensitivity.ridge import (
-    Targets,
-    calibrated_sample,
-    material_damping,
-)
+from study.studies.analyses.sensitivity.ridge import Targets, calibrated_sample, material_damping
 from study.studies.contacts import calibrated_contact
 from study.tables import Row, Tables, series_frame
 

@@ -28,13 +28,7 @@ from study.declared.parameters import (
     PositiveRange,
 )
 from study.studies.claims.claim_numbers.claim import claim
-from study.studies.claims.claim_numbers.context import (
-    Context,
-    Estimate,
-    Numbers,
-    between,
-    of_share,
-)
+from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers, between, of_share
 from study.studies.contacts import calibrated_contact
 from study.studies.experiments.pile_up import onset
 
@@ -393,10 +387,7 @@ def c66(
 
 
 def piles(
-    context: Context,
-    share: float,
-    velocities: tuple[float, float],
-    meant: tuple[float, float],
+    context: Context, share: float, velocities: tuple[float, float], meant: tuple[float, float]
 ) -> Numbers:
     """Return both onsets, and their largest and least difference over all targets and scatters."""
     table = context.table("pile_up")

@@ -10,14 +10,7 @@ import numpy as np
 
 from microimpact.core.arrays import FloatArray
 from microimpact.model.calibration import hertz_damping_for
-from study.declared.parameters import (
-    AngleDegrees,
-    CaseName,
-    Count,
-    Fraction,
-    NonNegative,
-    Positive,
-)
+from study.declared.parameters import AngleDegrees, CaseName, Count, Fraction, NonNegative, Positive
 from study.studies.samples import Dropped, Sample, Sampling
 from study.tables import Tables
 
