@@ -455,8 +455,6 @@ def test_inferred_slope_gives_back_the_restitution_it_was_inferred_from(ensemble
         angle_half_width_deg=2.5,
         restitution_half_width=0.05,
         events_measured=40,
-        smallest_sd=0.02,
-        largest_sd=0.5,
         laboratory_sd=0.16,
         plan=Plan(replicates=4, events=512, method="quasi_random"),
     )

@@ -38,6 +38,9 @@ from study.tables import Row, Tables, series_frame
 # Particles released, at most, for each that is to fall through the probe volume; so many of these
 # at a time.
 MOST_RELEASED, AT_ONCE = 20_000, 100
+# The stream that is shown: slow enough for some rebounds to be missing, m/s, and the release after
+# one tap.
+SHOWN_SPEED, WINDOW_MS = 0.5, 100.0
 # Places of the parts among the draws of the study.
 PARTICLES, ANALYSER, CONTROLS, CORRECTION, SLOW, SHOWN = range(6)
 
@@ -326,15 +329,15 @@ def _of_first(observation: Observation, form: Form = "exact") -> Measured:
 DRAWN_SHARES = {"precision": "precision", "recall": "recall", "seen": "recall_of_seen_rebounds"}
 
 
-def stream_shown(observation: Observation, window: float) -> pd.DataFrame:
-    """Return the stretch (ms) of a stream with the most records, velocity against time."""
+def stream_shown(observation: Observation) -> pd.DataFrame:
+    """Return the stretch of a stream with the most records, velocity against time."""
     stream, pairing = observation.stream, observation.pairing
     time = 1e3 * stream.time
     # A stretch begins a little ahead of a record; those of a stream are in order of time.
-    starts = time - 0.05 * window
-    number = np.searchsorted(time, starts + window) - np.arange(len(time))
+    starts = time - 0.05 * WINDOW_MS
+    number = np.searchsorted(time, starts + WINDOW_MS) - np.arange(len(time))
     start = float(starts[np.argmax(number)]) if len(time) else 0.0
-    shown = (time >= start) & (time <= start + window)
+    shown = (time >= start) & (time <= start + WINDOW_MS)
     series = {
         "falling": np.flatnonzero(shown & (stream.velocity < 0.0)),
         "rising": np.flatnonzero(shown & (stream.velocity > 0.0)),
@@ -386,14 +389,6 @@ class Slow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Shown:
-    """A stretch of one stream."""
-
-    speed_m_per_s: Positive
-    window_ms: Positive
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
     """Particles, dispenser and analyser; heights and speeds; number and size of experiments."""
 
@@ -409,7 +404,6 @@ class Params:
     correction: Correction
     slow: Slow
     controls: Control
-    shown: Shown
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -431,8 +425,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     quality, losses = pairing_quality(params, setup)
     size = params.experiments, params.particles
     controls = pairing_controls(setup, params.controls, *size)
-    shown = params.shown.speed_m_per_s, params.particles, (SHOWN, 0), (SHOWN, 1)
-    (example,) = observed(setup, *shown)
+    (example,) = observed(setup, SHOWN_SPEED, params.particles, (SHOWN, 0), (SHOWN, 1))
     correction = pd.DataFrame(surface_correction(setup.aligned.steady, params.correction))
     return {
         "pairing_quality": quality,
@@ -440,7 +433,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         "pairing_controls": pd.DataFrame(controls),
         "surface_correction": correction,
         "slow_rebounds": pd.DataFrame(slow_rebounds(setup.steady, params.slow)),
-        "doppler_stream": stream_shown(example, params.shown.window_ms),
+        "doppler_stream": stream_shown(example),
         "pairing_curves": pairing_curves(quality),
         "correction_curves": correction_curves(correction, params.correction),
     }
