@@ -7,6 +7,8 @@ import numpy as np
 from microimpact.core.arrays import BoolArray, FloatArray, Real
 
 CONFIDENCE = 0.95
+# Half-width of such an interval over the standard error of a mean of many events.
+ERROR_BAR = 1.96
 
 
 def student_half_width(
@@ -44,12 +46,6 @@ def mean_and_error(values: FloatArray | BoolArray) -> tuple[float, float]:
     n = len(values)
     mean = float(np.mean(values)) if n else float("nan")
     return mean, float(np.std(values, ddof=1) / np.sqrt(n)) if n > 1 else float("nan")
-
-
-def share_error(share: float, count: int) -> float:
-    """Return the binomial standard error of a share, at least the error of half a case."""
-    inside = min(max(share, 0.5 / count), 1.0 - 0.5 / count)
-    return float(np.sqrt(inside * (1.0 - inside) / count))
 
 
 def wilson_interval(part: int, whole: int) -> tuple[float, float]:

@@ -8,7 +8,6 @@ import scipy
 
 from microimpact.statistics.intervals import (
     mean_and_error,
-    share_error,
     student_half_width,
     wilson_interval,
 )
@@ -26,10 +25,7 @@ def test_ends_solve_the_equation_of_the_score():
         assert abs(0.75 - end) == pytest.approx(1.959964 * (end * (1 - end) / 40) ** 0.5, rel=1e-6)
 
 
-def test_standard_errors_of_shares_and_means():
-    assert share_error(0.2, 100) == pytest.approx(0.04)
-    assert share_error(0.0, 100) == share_error(0.005, 100) > 0.0
-    assert share_error(1.0, 100) == pytest.approx(share_error(0.0, 100))
+def test_standard_errors_of_means():
     assert mean_and_error(np.array([1.0, 3.0])) == pytest.approx((2.0, 1.0))
     assert np.isnan(mean_and_error(np.array([1.0]))[1])
     assert np.isnan(mean_and_error(np.array([]))[0])

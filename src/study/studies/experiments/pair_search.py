@@ -30,7 +30,7 @@ from microimpact.lab.pdpa.pairing import Form, correct, search
 from microimpact.lab.surface import Rebound
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution, generator
-from microimpact.statistics.intervals import mean_and_error, wilson_interval
+from microimpact.statistics.intervals import ERROR_BAR, mean_and_error, wilson_interval
 from study.declared.parameters import AboveOne, CaseName, Count, Positive
 from study.studies.contacts import calibrated_contact
 from study.tables import Row, Tables, series_frame
@@ -286,7 +286,7 @@ def correction_curves(table: pd.DataFrame, params: Correction) -> pd.DataFrame:
         rows = table[(table["quantity"] == "e") & (table["restitution"] == e)]
         rows = rows[rows["exact_standard_error"].notna()]
         for form in FORMS:
-            y, half = rows[form], 1.96 * rows[f"{form}_standard_error"]
+            y, half = rows[form], ERROR_BAR * rows[f"{form}_standard_error"]
             name, x = f"{form}, e = {e:g}", rows["speed_m_per_s"]
             frames.append(
                 _frame("correction", name, x, y, "virtual experiment", y - half, y + half)

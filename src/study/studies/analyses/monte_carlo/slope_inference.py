@@ -12,6 +12,7 @@ import numpy as np
 from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.statistics.distributions import Constant, Normal
+from microimpact.statistics.intervals import ERROR_BAR
 from study.declared.parameters import AngleDegrees, Count, NonNegative, Positive
 from study.studies.analyses.monte_carlo.ensembles import Ensemble, Plan, estimate, replicate_shares
 from study.tables import Row
@@ -23,7 +24,6 @@ RECTANGULAR = np.sqrt(3.0)
 SLOPE_SDS = (0.05, 0.6)
 GRID = 10
 STEP = 0.02
-COVERAGE = 1.96
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,10 +111,10 @@ def infer_slope(ensemble: Ensemble, settings: SlopeInference, *, two_axes: bool)
         "slope_sd": sd,
         **{name: float(value) for name, value in parts.items()},
         "u_slope_sd": total,
-        "slope_sd_low": sd - COVERAGE * total,
-        "slope_sd_high": sd + COVERAGE * total,
+        "slope_sd_low": sd - ERROR_BAR * total,
+        "slope_sd_high": sd + ERROR_BAR * total,
         "laboratory_slope_sd": laboratory,
-        "laboratory_within": abs(laboratory - sd) <= COVERAGE * total,
+        "laboratory_within": abs(laboratory - sd) <= ERROR_BAR * total,
     }
 
 
