@@ -50,6 +50,11 @@ def test_energy_loss_is_one_minus_the_mean_square(rows):
     assert row["energy_loss"] == pytest.approx(1.0 - row["restitution"] ** 2, abs=2e-3)
 
 
+def test_curves_of_the_loss_are_one_minus_the_square_of_restitution(normal):
+    e, loss = (normal[name].query("series == 'SST65 sieve'") for name in ("fig04", "fig05"))
+    assert loss["y_1"].to_numpy() == pytest.approx(1.0 - e["y_1"].to_numpy() ** 2, rel=1e-12)
+
+
 def test_pairs_are_right_and_the_height_of_the_probe_is_found(rows):
     assert (rows["precision"] > 0.97).all()
     error = rows["probe_height_found_mm"] - rows["probe_height_true_mm"]
