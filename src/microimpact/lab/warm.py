@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from microimpact.core.materials import Material
-from microimpact.lab.events import Impacts
-from microimpact.lab.experiment import Target
+from microimpact.lab.dispenser import Dispenser
+from microimpact.lab.experiment import Drop, Target, impacts_of
 from microimpact.lab.pdpa import analyser as pdpa
 from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.system import ImagingSystem, Setup, Systematics
-from microimpact.lab.surface import Spheres, rigid_sums, rough
+from microimpact.lab.surface import Rebound, Spheres, rigid_sums, rough
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.impact import simulate
@@ -29,12 +29,21 @@ from microimpact.model.empirical.data import data_sets
 from microimpact.model.empirical.search import fit_batch
 from microimpact.model.law.codes import lethe
 from microimpact.model.law.table import tabulate
+from microimpact.statistics.distributions import Constant
 
 BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
 PAIR: Any = {"particle": BODY, "surface": BODY, "diameter": 5e-5}
 CONTACT = Contact(**PAIR, work_of_adhesion=0.1, hertz_damping=0.01, adhesion_damping=1.0)
 # All that passages through the probe volume take of an analyser.
 ANALYSER: Any = SimpleNamespace(probe_across_um=100.0, probe_along_um=100.0)
+STILL: Any = dict.fromkeys(Dispenser.__dataclass_fields__, 0.0) | {"taps_per_s": 1.0}
+DROP = Drop(
+    target=Target(contact=CONTACT, surface=rough(0.1)),
+    diameter_um=Constant(at=50.0),
+    speed=1.66,
+    dispenser=Dispenser(**STILL | {"particles_per_tap": 1.0}),
+    angle=60.0,
+)
 IMAGING: Any = SimpleNamespace(
     **dict.fromkeys(ImagingSystem.__dataclass_fields__, 1.0) | {"frame_px": (64, 64)}
 )
@@ -57,10 +66,15 @@ def _use_others() -> None:
     lethe(CONTACT)(0.1, 0.1, speed)
     fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))
     compare_models(speed, 0.8 - 0.1 / speed, 0.01)
-    impacts, rng = _impacts(8), np.random.default_rng(1)
+    falling, rng = DROP.release(8, np.random.default_rng(1)), np.random.default_rng(1)
+    after = falling.velocity * [0.75, 1.0, -0.7]
+    once = Rebound(
+        velocity=after, spin=falling.spin, kept=after[:, 2] < 0, contacts=np.ones(8, int)
+    )
+    impacts = impacts_of(falling, once)
     pdpa.passages(impacts, 1e-3, ANALYSER)
     pdpa.through_probe(impacts.position, impacts.velocity, 1e-3, ANALYSER)
-    setup = Setup(instrument=IMAGING, angle=60.0, speed=SPEED, diameter=6e-5)
+    setup = Setup(instrument=IMAGING, angle=DROP.angle, speed=DROP.speed, diameter=6e-5)
     theory(impacts, setup, Systematics(), [rng] * 8)
 
 
@@ -76,28 +90,7 @@ def _use_impacts() -> None:
     simulate(CONTACT, speed, tangential="mindlin")
     half = np.full(1, 0.5)
     rigid_sums(rough(0.1), law, [Spheres([half] * 8, [(half, half)] * 5, 1, 1)])
-    impacts, rng = _impacts(8), np.random.default_rng(1)
-    target = Target(contact=CONTACT, surface=rough(0.1))
-    target.hit(impacts.diameter, impacts.velocity, impacts.spin, rng)
-
-
-SPEED, ANGLE = 1.66, np.radians(60.0)
-
-
-def _impacts(n: int) -> Impacts:
-    """Spheres that fall straight down and rebound."""
-    before = np.tile(SPEED * np.array([np.cos(ANGLE), 0.0, -np.sin(ANGLE)]), (n, 1))
-    return Impacts(
-        time=np.zeros(n),
-        diameter=np.full(n, 62e-6),
-        position=np.zeros((n, 2)),
-        velocity=before,
-        spin=np.zeros((n, 3)),
-        rebound_velocity=before * [0.75, 1.0, -0.7],
-        rebound_spin=np.zeros((n, 3)),
-        captured=np.zeros(n, dtype=bool),
-        contacts=np.ones(n, dtype=np.int64),
-    )
+    DROP.impacts(8, np.random.default_rng(1))
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@ import numpy as np
 from microimpact.core.arrays import BoolArray, FloatArray, Real
 
 CONFIDENCE = 0.95
+# Half-width of such an interval over the standard error of a mean of many events.
+ERROR_BAR = 1.96
 
 
 def student_half_width(

@@ -394,9 +394,7 @@ def evidence_key(
 
 
 def line_figure(
-    tables: Tables,
-    spec: FigureSpec,
-    prepare: Callable[[Axes, str], object] | None = None,
+    tables: Tables, spec: FigureSpec, prepare: Callable[[Axes, str], object] | None = None
 ) -> tuple[Figure, dict[str, Axes]]:
     """Draw every panel of a figure from the tables that have it, and the key of evidence.
 

@@ -8,13 +8,7 @@ import numpy as np
 import pytest
 
 from microimpact import Contact, Material
-from microimpact.model.closed_forms import (
-    brach_dunn_velocity,
-    jkr_sticking_velocity,
-    plastic_restitution,
-    sticking_restitution,
-    yield_velocity,
-)
+from microimpact.model.closed_forms import plastic_restitution, sticking_restitution, yield_velocity
 
 LAWS = ["model", "jkr", "brach_dunn_1992", "dahneke_1971"]
 MOLYBDENUM = "fluorescein-molybdenum, nominal"
@@ -57,6 +51,14 @@ def works(calibration):
     return rows.set_index("case")["value"]
 
 
+# Moduli (Pa) and ratios of both bodies, and the density of the particle (kg/m3), as declared.
+BODIES = {
+    CONSTANT: ((193e9, 0.28), (169e9, 0.25), 8000.0),
+    MOLYBDENUM: ((1.2e9, 0.3), (325e9, 0.31), 1350.0),
+    LATEX: ((3.2e9, 0.34), (72.5e9, 0.17), 1050.0),
+}
+
+
 def curve(tables, pair, law):
     rows = tables["capture_law_curves"].query("panel == @pair and series == @law")
     return rows["x_um"].to_numpy(), rows["y_m_per_s"].to_numpy()
@@ -85,12 +87,7 @@ def test_every_pair_meets_every_law_and_its_printed_value(table):
 
 def test_brach_dunn_by_hand(table):
     # k_i = (1 - nu^2)/(pi E); Ebar = 0.51 (5 pi^2 (k_1 + k_2)/(4 rho^1.5))^0.4
-    bodies = {
-        CONSTANT: ((193e9, 0.28), (169e9, 0.25), 8000.0),
-        MOLYBDENUM: ((1.2e9, 0.3), (325e9, 0.31), 1350.0),
-        LATEX: ((3.2e9, 0.34), (72.5e9, 0.17), 1050.0),
-    }
-    for pair, (*elastic, density) in bodies.items():
+    for pair, (*elastic, density) in BODIES.items():
         compliance = sum((1 - nu**2) / (math.pi * modulus) for modulus, nu in elastic)
         effective = 0.51 * (5 * math.pi**2 * compliance / (4 * density**1.5)) ** (2 / 5)
         expected = (2 * effective / (PRINTED[pair][0] * 1e-6)) ** (10 / 7)
@@ -101,21 +98,9 @@ def test_brach_dunn_by_hand(table):
     assert found == pytest.approx(5.49e-4, rel=2e-3)
 
 
-def test_brach_dunn_knows_no_adhesion():
-    weak, strong = (steel_on_silicon(work_of_adhesion=work) for work in (1e-3, 10.0))
-    assert brach_dunn_velocity(weak) == brach_dunn_velocity(strong)
-    assert jkr_sticking_velocity(strong) == pytest.approx(
-        jkr_sticking_velocity(weak) * 1e4 ** (5 / 6), rel=1e-12
-    )
-
-
 def test_jkr_by_hand(table, works):
     # the form for a sphere on a plane: 1.84 ((w/R)^5 / (rho^3 E*^2))^(1/6)
-    bodies = {
-        CONSTANT: ((193e9, 0.28), (169e9, 0.25), 8000.0),
-        MOLYBDENUM: ((1.2e9, 0.3), (325e9, 0.31), 1350.0),
-    }
-    for pair, (*elastic, density) in bodies.items():
+    for pair, (*elastic, density) in BODIES.items():
         modulus = 1 / sum((1 - nu**2) / e for e, nu in elastic)
         radius = PRINTED[pair][0] * 1e-6 / 2
         expected = 1.84 * ((works[pair] / radius) ** 5 / (density**3 * modulus**2)) ** (1 / 6)
@@ -123,20 +108,9 @@ def test_jkr_by_hand(table, works):
         assert found == pytest.approx(expected, rel=1e-3)  # 1.84 has three digits
 
 
-def test_work_of_adhesion_of_molybdenum_comes_from_the_printed_ring_force(works):
-    stiffness = 4 / 3 / ((1 - 0.3**2) / 1.2e9 + (1 - 0.31**2) / 325e9)
-    radius = 4.9e-6 / 2
-    work = math.sqrt(2 * math.pi * 8.90**3 / (9 * stiffness * radius))
-    assert works[MOLYBDENUM] == pytest.approx(work, rel=1e-6)
-
-
 def test_dahneke_by_hand(table, works):
     # R^2 m v^2/2 = (1 - R^2) E at capture, with the well of Hertz and ring force for E
-    bodies = {
-        CONSTANT: ((193e9, 0.28), (169e9, 0.25), 8000.0),
-        MOLYBDENUM: ((1.2e9, 0.3), (325e9, 0.31), 1350.0),
-    }
-    for pair, (*elastic, density) in bodies.items():
+    for pair, (*elastic, density) in BODIES.items():
         radius = PRINTED[pair][0] * 1e-6 / 2
         stiffness = 4 / 3 / sum((1 - nu**2) / e for e, nu in elastic)
         force = (9 * stiffness * radius * works[pair] ** 2 / (2 * math.pi)) ** (1 / 3)
@@ -184,35 +158,7 @@ def test_exponent_of_the_model(table, tables):
     assert exponents[LATEX] == pytest.approx(at, abs=1e-3)
 
 
-def test_larger_spheres_are_captured_at_lower_speeds_by_every_law_but_yield(tables):
-    for pair in PRINTED:
-        for law in LAWS:
-            assert (np.diff(curve(tables, pair, law)[1]) < 0).all()
-    # the mean diameters of the two sieve fractions
-    slower, faster = (np.interp(d, *curve(tables, CONSTANT, "model")) for d in (75.0, 49.0))
-    assert slower < faster
-
-
-def test_the_curve_ends_where_no_speed_rebounds(tables):
-    diameter, velocity = curve(tables, CONSTANT, "model")
-    assert 10.0 < diameter.min() < 13.0
-    assert np.isfinite(velocity).all()
-    assert curve(tables, CONSTANT, "jkr")[0].min() == 1.0
-
-
-def test_factors_between_the_laws(table):
-    ratio = table["ratio_to_printed"]
-    # fitted to such data: within a third for fluorescein ...
-    assert 0.67 < ratio[(MOLYBDENUM, "brach_dunn_1992")] < 1.5
-    assert 0.67 < ratio[(MICA, "brach_dunn_1992")] < 1.5
-    # ... above by a factor of 5.6 for latex, below by some 330 for steel
-    assert ratio[(LATEX, "brach_dunn_1992")] == pytest.approx(5.6, rel=0.01)
-    assert 1 / ratio[(CONSTANT, "brach_dunn_1992")] == pytest.approx(328, rel=0.01)
-    # no damping: JKR below this model everywhere
-    assert (table.xs("jkr", level="law")["ratio_to_model"] < 0.8).all()
-
-
-def test_evidence(table, tables, calibration):
+def test_evidence(table, calibration):
     met = calibration["calibration"].query("role == 'target' and quantity == 'capture_velocity'")
     calibrated = set(met["case"]) & set(PRINTED)
     assert calibrated == set(PRINTED) - {MOLYBDENUM}
@@ -221,14 +167,6 @@ def test_evidence(table, tables, calibration):
         assert row["evidence"] == ("calibrated" if fixed else "computed")
         if fixed:
             assert row["ratio_to_printed"] == pytest.approx(1.0, rel=1e-6)
-    marks = tables["capture_law_curves"].query("series == 'printed'").set_index("panel")
-    assert set(marks["evidence"]) == {"printed"}
-    for pair, (diameter, velocity) in PRINTED.items():
-        assert tuple(marks.loc[pair, ["x_um", "y_m_per_s"]]) == pytest.approx((diameter, velocity))
-    lines = tables["capture_law_curves"].query("series == 'model'").groupby("panel")["evidence"]
-    assert lines.unique().str[0].to_dict() == {
-        pair: "calibrated" if pair in calibrated else "computed" for pair in PRINTED
-    }
 
 
 def test_sticking_restitution():
@@ -268,10 +206,3 @@ def test_a_case_without_a_printed_velocity(study, draw, legend_texts):
     assert table["printed_m_per_s"].isna().all()
     figure = draw("capture_laws", tables)
     assert "printed capture velocity" not in legend_texts(figure)
-
-
-def test_wrong_parameters_are_refused(study):
-    with pytest.raises(ValueError, match="must be above smallest_diameter_um"):
-        study(largest_diameter_um=0.5)
-    with pytest.raises(ValueError, match="'nothing' is not declared in cases"):
-        study(pairs={"nothing": {}})

@@ -8,6 +8,7 @@ import pytest
 from study.declared.documents import ConfigError
 from study.declared.parameters import build
 from study.studies.experiments import campaign
+from study.tables import parse_table
 
 FEW_ANGLES = [85, 60, 45, 30, 20, 10]
 
@@ -43,28 +44,15 @@ def test_where_all_rebounds_are_seen_the_interval_holds_the_truth(rows):
     assert inside.all()
 
 
-def test_slow_rebounds_are_lost_and_the_mean_is_too_high(rows):
-    slow = rows.loc[("SST65", 0.3)]
-    assert slow["too_slow_for_the_probe"] > 100
-    assert slow["restitution_low"] > slow["true_restitution_of_rebounds"] + 0.05
-    assert slow["true_restitution_of_rebounds"] > slow["true_restitution_of_all"]
-
-
-def test_smaller_spheres_lose_more_at_low_speed(rows, normal):
-    for speed in (0.45, 0.75):
-        assert (
-            rows.loc[("SST65", speed), "restitution_high"]
-            < (rows.loc[("SST125", speed), "restitution_low"])
-        )
-    effects = normal["size_effects"].set_index(["case", "population"])["fallen_speed_m_per_s"]
-    for case in ("steel-silicon, n = 1", "steel-silicon, n = 0"):
-        assert effects[case, "SST65"] > effects[case, "SST125"]
-
-
 def test_energy_loss_is_one_minus_the_mean_square(rows):
     row = rows.loc[("SST125", 1.25)]
     # The mean of e^2 exceeds the square of the mean by the variance alone.
     assert row["energy_loss"] == pytest.approx(1.0 - row["restitution"] ** 2, abs=2e-3)
+
+
+def test_curves_of_the_loss_are_one_minus_the_square_of_restitution(normal):
+    e, loss = (normal[name].query("series == 'SST65 sieve'") for name in ("fig04", "fig05"))
+    assert loss["y_1"].to_numpy() == pytest.approx(1.0 - e["y_1"].to_numpy() ** 2, rel=1e-12)
 
 
 def test_pairs_are_right_and_the_height_of_the_probe_is_found(rows):
@@ -86,7 +74,7 @@ def test_an_experiment_without_enough_events_has_no_point(run_study, calibration
 
 @pytest.mark.parametrize(("speed", "angle"), [(1.05, 90), (1.66, 45)])
 def test_the_same_experiment_gives_the_same_number_in_every_study(
-    settings, run_study, calibration, monkeypatch, speed, angle
+    settings, run_study, calibration, speed, angle
 ):
     """Of one speed class and spin: by Fig. 4 or Fig. 6, and in the campaign."""
     branch = settings.branches["campaign"]
@@ -103,15 +91,10 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
     }
     own = {"blocks": {"one": block}, "counted": dict.fromkeys(branch["counted"], 1)}
     params = build(campaign.Params, {**branch, "speed_classes": classes, **own})
-    tables = {}
-
-    def only(given, inputs):
-        (one,) = params.experiments
-        tables.update(campaign.conducted(params, one, *campaign.contact(params, one, inputs)))
-        return {}
-
-    monkeypatch.setattr(campaign, "run", only)
-    run_study("campaign", calibration)
+    declared = settings.rows["campaign"].items()
+    inputs = {**calibration, **{name: parse_table(text) for name, text in declared}}
+    (one,) = params.experiments
+    tables = campaign.conducted(params, one, *campaign.contact(params, one, inputs))
     if angle == 90:
         found = run_study("normal_experiments", calibration, speeds_m_per_s=[speed], points=10)
         rows = found["normal_experiments"].set_index("population")
@@ -126,67 +109,6 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
         rows = found["oblique_experiments"].set_index("series")
     names = ("dropped", "events", "restitution", "restitution_low", "restitution_high")
     assert [rows.loc[size, name] for name in names] == [tables[name] for name in names]
-
-
-def test_the_article_prints_no_restitution_of_the_mirrors_back(oblique):
-    marks = oblique["fig07"].query("evidence == 'printed'")
-    assert set(marks["y_1"]) == {0.7, 0.9}
-
-
-def test_printed_piles_vanish_for_another_pair(run_study, calibration, draw):
-    case = "ammonium-fluorescein-mica"
-    tables = run_study(
-        "normal_experiments", calibration, case=case, speeds_m_per_s=[3.0, 6.0], points=20
-    )
-    for name in ("fig04", "fig05"):
-        assert "printed" not in set(tables[name]["evidence"])
-        assert not draw(name, tables).axes[0].texts
-
-
-def test_smooth_silicon_agrees_with_the_unfitted_printed_values(angles):
-    """The fall to about 0.50 at 10 deg (Section 2.4.1) was not used in calibration."""
-    grazing = angles.loc[("silicon front", 10)]
-    assert grazing["restitution_high"] < angles.loc[("silicon front", 45), "restitution_low"]
-    # The true mean is 0.46; a mean of 40 events and a target set to 0.25 deg stray by 0.08.
-    assert grazing["restitution"] == pytest.approx(0.46, abs=0.12)
-    for angle in (45, 30, 20):
-        sliding = angles.loc[("silicon front", angle)]
-        assert sliding["impulse_ratio"] == pytest.approx(0.15, abs=0.015)
-
-
-def test_roughness_raises_apparent_restitution_above_one_at_shallow_angles(angles):
-    for rough, smooth in (("silicon back", "silicon front"), ("mirror back", "mirror front")):
-        assert angles.loc[(rough, 10), "restitution"] > 1.0
-        assert (
-            angles.loc[(rough, 10), "restitution_low"]
-            > (angles.loc[(smooth, 10), "restitution_high"])
-        )
-    # Contrary to Section 2.4.1, slopes alone make it lower, not higher, at steep incidence.
-    assert (
-        angles.loc[("silicon back", 85), "restitution_high"]
-        < (angles.loc[("silicon front", 85), "restitution_low"])
-    )
-
-
-def test_roughness_raises_the_impulse_ratio_too(angles):
-    # Section 2.4.1 says it was not higher.
-    assert (
-        angles.loc[("silicon back", 10), "impulse_ratio_low"]
-        > (angles.loc[("silicon front", 10), "impulse_ratio_high"])
-    )
-
-
-def test_a_mean_spin_takes_friction_away_at_steep_angles_first(angles):
-    spun = angles.loc["0.45 m/s, spun", "impulse_ratio"]
-    assert spun[85] < spun[60] < spun[45] < spun[30]
-    assert spun[85] < -0.1
-    free = angles.loc["0.45 m/s", "impulse_ratio"]
-    assert (free[[85, 60, 45, 30]] > 0.0).all()
-
-
-def test_slow_oblique_impacts_are_captured_where_the_article_saw_rebounds(angles):
-    assert angles.loc[("0.45 m/s", 20), "captured_share"] > 0.9
-    assert angles.loc[("0.45 m/s", 20), "events"] < 10
 
 
 def test_measured_means_hold_the_truth(angles):

@@ -65,18 +65,6 @@ def test_rolling_is_the_same_in_both_models(curve):
         )
 
 
-def test_plateau_then_rise_towards_grazing_incidence(curve):
-    simulation = curve("fig18", "adhesion", "simulation")
-    # "constant" from 50 to 15 deg: within the 10 % of a value read off a plot ...
-    assert at(simulation, 25.0) == pytest.approx(at(simulation, 45.0), rel=0.1)
-    # ... near the printed coefficient ...
-    assert at(simulation, 40.0) == pytest.approx(F, rel=0.1)
-    # ... and rising below 15 deg, which the rigid body model does not do. How far it rises follows
-    # from the impulses, see below: to a half more where capture begins.
-    assert simulation[1].max() == pytest.approx(1.5 * F, rel=0.02)
-    assert at(curve("fig18", "adhesion", "rigid body"), 8.0) == pytest.approx(F, rel=1e-12)
-
-
 @pytest.mark.parametrize("basis", ["compressive", "hertz"])
 def test_a_sliding_sphere_has_the_friction_of_the_impulse_that_presses(curve, contact, basis):
     """Friction acts on one impulse, the ratio counts the momentum changed: f P / (m v (1 + e))."""
@@ -92,13 +80,6 @@ def test_a_sliding_sphere_has_the_friction_of_the_impulse_that_presses(curve, co
     assert ratio == pytest.approx(np.minimum(sliding, rolling), rel=1e-9, abs=1e-12)
     # adhesion takes more of the impulse the slower the impact: the ratio rises to the end
     assert (np.diff(ratio[slides]) < 0.0).all()
-
-
-def test_only_the_compressive_force_gives_plateau_and_rise(curve):
-    net, hertz = curve("fig18", "basis", "net"), curve("fig18", "basis", "hertz")
-    assert at(net, 8.0) == pytest.approx(F, rel=1e-9)
-    # the Hertz force alone gives no plateau: the ratio has left it at 20 deg already
-    assert at(hertz, 20.0) > 1.4 * F
 
 
 def test_captured_impacts_are_not_on_the_curves(curve):
@@ -122,10 +103,6 @@ def test_losses(curve):
     assert total[1][-1] == pytest.approx(1 - E**2, rel=0.02)
     # rotation takes up energy that the mass centre loses
     assert (translational[1] >= total[1] - 1e-12).all()
-    assert at(translational, 45.0) - at(total, 45.0) > 0.05
-    # constant from 85 to 50 deg, falling below
-    assert at(translational, 52.0) == pytest.approx(at(translational, 85.0), rel=0.05)
-    assert at(translational, 20.0) < 0.6 * at(translational, 50.0)
     # the two expressions of the rolling sphere differ by the rotational energy
     rotation = 0.4 * (5 / 7 * np.cos(np.radians(60.0))) ** 2
     difference = at(translational, 60.0) - at(total, 60.0)

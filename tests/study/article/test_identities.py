@@ -108,8 +108,7 @@ IDENTITIES = [
 
 
 @pytest.mark.parametrize(
-    ("identity", "tolerance"),
-    [pytest.param(*row, id=name) for name, *row in IDENTITIES],
+    ("identity", "tolerance"), [pytest.param(*row, id=name) for name, *row in IDENTITIES]
 )
 def test_the_figure_obeys_the_identity(tables, identity, tolerance):
     computed, exact = identity(tables)

@@ -32,23 +32,6 @@ def tables(run_small):
     return run_small()
 
 
-def test_fast_impacts_are_paired_whatever_the_height(tables):
-    fast = tables["pairing_quality"].query("speed_m_per_s >= 0.75")
-    assert (fast["precision"] > 0.98).all()
-    assert (fast["recall"] > 0.95).all()
-    at_most = fast.query("speed_m_per_s > 1")[["precision_change_points", "recall_change_points"]]
-    assert (at_most < 2.5).to_numpy().all()
-
-
-def test_at_the_speed_of_pile_up_height_decides(tables):
-    slow = tables["pairing_quality"].query("speed_m_per_s == 0.3").set_index("probe_height_mm")
-    # from 5 mm no rebound, and no needle above the probe volume
-    assert slow.loc[5.0, "recorded_pairs"] == 0
-    assert 0.5 < slow.loc[1.0, "censored_fraction"] < 0.9
-    middle = tables["pairing_quality"].query("speed_m_per_s == 0.5").set_index("probe_height_mm")
-    assert middle.loc[5.0, "censored_fraction"] > 0.5 > middle.loc[1.0, "censored_fraction"]
-
-
 def test_shares_and_losses_agree(tables):
     quality, losses = tables["pairing_quality"], tables["pairing_losses"]
     place = ["probe_height_mm", "speed_m_per_s"]
@@ -96,30 +79,9 @@ def test_a_rebound_below_the_probe_volume_leaves_no_event(tables):
     assert hidden["closed_form"].isna().all()
 
 
-def test_slow_rebounds_are_hidden_and_the_mean_is_too_high(tables):
+def test_the_slowest_rebound_seen_reaches_the_probe_volume(tables):
     slow = tables["slow_rebounds"].set_index("speed_m_per_s")
-    assert slow["captured_fraction"].is_monotonic_decreasing
-    assert slow["observable_fraction"].is_monotonic_increasing
+    least = np.sqrt(2 * 9.80665e-3) / slow.index.to_numpy()
+    assert slow["least_observable_e"].to_numpy() == pytest.approx(least, abs=0.005)
     assert slow.loc[0.2, "observable_fraction"] == 0.0
-    assert slow.loc[0.2, "least_observable_e"] == pytest.approx(0.70, abs=0.005)
-    assert slow.loc[0.3, "least_observable_e"] == pytest.approx(0.467, abs=0.005)
-    assert slow.loc[0.3, "bias_observable"] > 0.1
-    assert slow.loc[0.35, "bias_observable"] > 0.03
-    assert slow.loc[0.35, "bias_measured"] == pytest.approx(
-        slow.loc[0.35, "bias_observable"],
-        abs=0.01 + 4 * slow.loc[0.35, "mean_e_measured_standard_error"],
-    )
     assert abs(slow.loc[0.5, "bias_observable"]) < 0.005
-
-
-def test_results_are_repeated_by_the_seed(run_small, tables, settings):
-    again = run_small()
-    for name, table in tables.items():
-        assert table.equals(again[name]), name
-
-
-def test_a_probe_volume_that_nothing_hits_is_refused(run_small, settings):
-    branch = settings.branches["pair_search"]
-    dispenser = {**branch["dispenser"], "lateral_position_mm": 50.0}
-    with pytest.raises(ValueError, match=r"particles: at .* fall through the probe volume"):
-        run_small(dispenser=dispenser, particles=2)

@@ -34,16 +34,6 @@ def ranges(tables):
     return tables["ptis_range"]
 
 
-def test_no_field_of_view_covers_the_printed_range(tables, ranges):
-    """The article gives about 0.1 to 30 m/s (Section 2.1)."""
-    assert not tables["ptis_views"]["covers_range"].any()
-    covered = ranges[ranges["covered"]].groupby("pixel_um")["speed_m_per_s"].agg(["min", "max"])
-    # Enlarged, it loses the fast: at 5 kHz dashes of 30 m/s are 6 mm apart. Reduced, the slow: in a
-    # field of 1/60 s, 0.3 m/s moves by 5 mm, 50 pixels of 100 um for both legs.
-    assert covered.loc[10.0].tolist() == [0.3, 3.0]
-    assert covered.loc[100.0].tolist() == [3.0, 30.0]
-
-
 def test_the_chopper_stays_within_its_limit(ranges):
     assert ranges["chop_per_s"].max() <= 5000.0
     assert np.allclose(ranges["disk_rev_per_min"], 6.0 * ranges["chop_per_s"])
@@ -53,12 +43,6 @@ def test_the_lowest_speed_falls_half_a_millimetre_and_is_never_seen(ranges):
     slow = ranges[ranges["speed_m_per_s"] == 0.1]
     assert slow["fall_height_mm"].iloc[0] == pytest.approx(0.1**2 / (2 * 9.80665) * 1e3)
     assert (slow["fraction_observed"] == 0.0).all()
-
-
-def test_paths_under_gravity_are_unbiased_and_straight_lines_are_not(ranges):
-    slow = ranges[ranges["speed_m_per_s"] == 0.3].set_index("method")
-    assert abs(slow.loc["frames", "incident_speed_error"]) < 2e-3
-    assert slow.loc["straight lines", "incident_speed_error"] < -0.02
 
 
 @pytest.fixture(scope="module")

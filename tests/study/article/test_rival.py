@@ -47,15 +47,6 @@ def test_at_the_surface_the_probe_sees_what_is_there():
     assert seen == pytest.approx(0.7)
 
 
-def test_size_and_angle_tell_the_explanations_apart(tables):
-    table = tables["rival_explanations"].set_index("observation")
-    telling = table[table["tells_apart"]].index
-    assert any("larger over smaller class" in one for one in telling)
-    assert any("at 10 deg" in one for one in telling)
-    assert not any("plateau" in one for one in telling)  # Both give it.
-    assert (table.loc[telling, "adhesion_agrees"]).all()
-
-
 def test_energies_at_capture_are_those_by_hand(tables):
     table = tables["capture_evidence"].set_index("line")
     energy = table[table.index.str.startswith("kinetic energy")].iloc[0]
@@ -64,10 +55,6 @@ def test_energies_at_capture_are_those_by_hand(tables):
     assert ratio == pytest.approx((0.18 / 0.02) ** 2)
     assert energy["at_printed_capture_velocity"] > 50 * energy["seen_high"]
     assert energy["at_lower_capture_velocity"] < energy["seen_high"]
-
-
-def test_all_lines_prefer_the_lower_capture_velocity(tables):
-    assert set(tables["capture_evidence"]["prefers"]) == {"lower"}
 
 
 def test_other_forces_by_hand(tables):

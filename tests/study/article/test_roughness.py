@@ -43,13 +43,6 @@ def test_corrections_bring_every_equation_nearer(values):
         assert (rows["corrected_error"] < rows["printed_error"]).all(), name
 
 
-def test_measured_restitution_exceeds_one_at_shallow_angles(values):
-    facing = values.query("equation == '37' and angle_deg <= 10 and slope_deg >= 5")
-    assert (facing["exact"] > 1.0).all()
-    steeper = values.query("equation == '37' and angle_deg == 5 and slope_deg == 5")
-    assert (steeper["exact"] > 2.0).all()
-
-
 def test_exact_values_never_break_energy_but_equation_35_as_printed_does(values):
     e_m = values[values["quantity"] == "restitution"]
     assert e_m["exact_within_bound"].all()
@@ -74,48 +67,7 @@ def test_ends_of_ranges_are_where_the_error_is_one_per_cent(ranges):
     assert not row["high_is_limit"]
 
 
-def test_the_corrected_expansions_reach_further(ranges):
-    for name, fixed in (("37", 10.0), ("38", 10.0), ("39", 90.0), ("after 40", 90.0)):
-        printed, corrected = (
-            ranges.loc[(name, form, 0.0, "accuracy", "slope", fixed)]
-            for form in ("printed", "corrected")
-        )
-        assert corrected["low_deg"] < printed["low_deg"] < 0.0, name
-        assert corrected["high_deg"] > printed["high_deg"] > 0.0, name
-
-
-def test_equation_37_is_exact_to_one_per_cent_within_about_a_degree(ranges):
-    row = ranges.loc[("37", "printed", 0.0, "accuracy", "slope", 10.0)]
-    assert -1.1 < row["low_deg"] < -0.9
-    assert 1.1 < row["high_deg"] < 1.3
-
-
-def test_equation_41_is_nowhere_right_with_spin(ranges):
-    printed = ranges.loc[("41", "printed", 0.2, "accuracy", "slope", 90.0)]
-    assert printed[["low_deg", "high_deg"]].isna().all()
-    corrected = ranges.loc[("41", "corrected", 0.2, "accuracy", "slope", 90.0)]
-    assert corrected["low_deg"] < -5.0 < 0.0 < corrected["high_deg"]
-
-
-def test_equation_35_as_printed_breaks_energy_before_its_pole(ranges):
-    for angle in (5.0, 10.0, 20.0):
-        row = ranges.loc[("35", "printed", 0.0, "energy", "slope", angle)]
-        assert -angle / 2 < row["low_deg"] < -0.45 * angle
-    # and Eq. 37 on very steep slopes
-    row = ranges.loc[("37", "printed", 0.0, "energy", "slope", 10.0)]
-    assert 29.0 < row["high_deg"] < 31.0
-
-
 def test_equation_38_ends_where_the_sphere_begins_to_roll(ranges):
     row = ranges.loc[("38", "corrected", 0.0, "accuracy", "angle", 2.0)]
     local = np.degrees(np.arctan(2 / (7 * 0.15 * 1.7)))
     assert row["high_deg"] == pytest.approx(local - 2.0, abs=0.5)
-
-
-def test_another_tolerance_widens_the_ranges(run_study, ranges):
-    loose = run_study("roughness_expansions", tolerance=0.1)["roughness_ranges"]
-    row = loose.query(
-        "equation == '37' and form == 'printed' and criterion == 'accuracy'"
-        " and variable == 'slope' and fixed_deg == 10"
-    ).iloc[0]
-    assert row["high_deg"] > 5.0 * 1.2

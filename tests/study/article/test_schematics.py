@@ -44,19 +44,6 @@ def computed_arrows(figure):
     return [tip - tail for tail, tip in ends]
 
 
-def test_counts_are_drawn_as_declared(run_study, parameters, tables):
-    def slots(of):
-        return len(points(of["fig01"], "side", "slots")) // 2
-
-    assert slots(tables) == 10
-    assert len(points(tables["fig02"], "top", "detectors")) == 3
-    other = run_study(
-        "schematics", set_ups={**parameters["set_ups"], "disk_slots": 6, "detectors": 2}
-    )
-    assert slots(other) == 6
-    assert len(points(other["fig02"], "top", "detectors")) == 2
-
-
 def test_tracks_of_fig01_follow_the_rigid_body_model(tables, parameters):
     """At 60 deg the sphere ends rolling: V_t = 5/7 v_t, whatever f; V_n = -e v_n."""
     rebound, alpha = parameters["rebound"], np.radians(60.0)
@@ -194,21 +181,3 @@ def test_sphere_of_fig22_touches_at_the_point_of_impact_alone(tables, parameters
     assert distance.min() == pytest.approx(radius, rel=1e-6)
     assert x[np.argmin(distance)] == pytest.approx(0.0, abs=1e-9)
     assert np.hypot(*centre) == pytest.approx(radius)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (
-            {"place_um": 25.0, "angle_deg": 10.0},
-            r"wavy_surface\.place_um: 25\.0 has a slope of -20",
-        ),
-        (
-            {"wavelength_um": 40.0, "diameter_um": 100.0},
-            r"wavy_surface\.diameter_um: a sphere of 100\.0 um",
-        ),
-    ],
-)
-def test_an_impossible_wave_is_refused(run_study, parameters, change, message):
-    with pytest.raises(ValueError, match=message):
-        run_study("schematics", wavy_surface={**parameters["wavy_surface"], **change})

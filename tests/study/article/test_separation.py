@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 from tests.shared import ROOT
-
-from study.studies.analyses.particle_separation import distance_from_equality
 
 FORCES = ("adhesion", "uniform charge", "charged patches")
 GUIDE = (ROOT / "docs/adding-an-analysis.md").read_text(encoding="utf-8")
@@ -27,10 +24,6 @@ def summary(tables):
     )
 
 
-def curve(tables, series):
-    return tables["separation"].query("series == @series")
-
-
 def test_bare_forces_by_hand(summary):
     # middles of the ranges: w = sqrt(0.01 0.1), and so on; R = 4 um
     work, charge, density = math.sqrt(0.01 * 0.1), math.sqrt(10 * 20) * 1e-3, math.sqrt(1100 * 1300)
@@ -45,26 +38,6 @@ def test_bare_forces_by_hand(summary):
     assert (low, high) == pytest.approx((188.4956, 1884.956), rel=1e-6)
     low, high = summary.loc[("uniform charge", 0.0), ["low", "high"]]
     assert high / low == pytest.approx(4 * (13 / 11) ** 2 * 1.9, rel=1e-9)
-
-
-def test_curves_fall_within_their_bands(tables):
-    for name in FORCES:
-        rows = curve(tables, name)
-        assert (np.diff(rows["x_percent"]) > 0).all()
-        for column in ("y_nN", "y_low", "y_high"):
-            assert (np.diff(rows[column]) <= 1e-9 * rows[column].to_numpy()[0]).all()
-        assert (rows["y_low"] < rows["y_nN"]).all()
-        assert (rows["y_nN"] < rows["y_high"]).all()
-    limits = [curve(tables, f"adhesion, {p}")["y_nN"].to_numpy() for p in ("lifted", "random")]
-    even = curve(tables, "adhesion")["y_nN"].to_numpy()
-    assert (limits[0] <= even * (1 + 1e-12)).all()
-    assert (even <= limits[1] * (1 + 1e-12)).all()
-
-
-def test_silica_hardly_moves_the_charge(tables):
-    for name, least in (("uniform charge", 0.98), ("charged patches", 0.8)):
-        force = curve(tables, name)["y_nN"].to_numpy()
-        assert least < force[-1] / force[0] < 1.0
 
 
 def test_what_the_abstract_states_against_the_declared_ranges(summary):
@@ -112,29 +85,6 @@ def test_a_range_of_no_width_has_no_band(run_study):
     assert bare["middle"] == pytest.approx(942.5, rel=1e-4)
     coated = rows.query("quantity == 'adhesion' and silica_percent == 2").iloc[0]
     assert coated["low"] < coated["high"]  # what is left is the placement
-
-
-def test_distance_from_equality():
-    one = np.array([1.0, 1.0])
-    found = distance_from_equality(one, np.array([1.0, 8.0]), np.array([1.0, 1.0]))
-    assert found == pytest.approx([1.0, 4.0])
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"silica_diameter_nm": [30, 10]}, r"silica_diameter_nm: \[30, 10\] must ascend"),
-        ({"patch_share": [0.5, 1.5]}, "patch_share: 1.5 must be at most 1"),
-        (
-            {"compared_silica_fraction": 0.5},
-            "compared_silica_fraction: 0.5 must be at most largest",
-        ),
-        ({"breakdown_field_V_per_um": [0.1, 1.0]}, "the patches would cover more"),
-    ],
-)
-def test_wrong_parameters_are_refused(run_study, changes, message):
-    with pytest.raises(ValueError, match=message):
-        run_study("particle_separation", **changes)
 
 
 def test_the_guide_gives_the_numbers_of_the_table(summary):

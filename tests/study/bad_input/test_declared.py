@@ -226,7 +226,6 @@ OVERLAYS = [
     ({"oblique_experiments": {"series": {"silicon front": {"speed_m_per_s": 3.0}}}}, ["oblique_experiments.series.silicon front.speed_m_per_s: 3 must be within speed_range_m_per_s, [1.6, 1.72]"]),
     ({"drops": {"steel on silicon": {"case": "steel-formica"}}}, ["drops.steel on silicon.case: 'steel-formica' is of stainless-steel-316 on formica, must be of stainless-steel-316 on silicon"]),
     ({"oblique_experiments": {"series": {"spore on Formica": None}}}, ["oblique_experiments.compared_with_all: 'spore on Formica' must be one of"]),
-    ({"mechanisms": {"drawn_mechanisms": ["none", "slopess"]}}, ["mechanisms.drawn_mechanisms: 'slopess' must be one of none;"]),
     ({"coulomb_friction": {"friction": [0.1, 0.1]}}, ["coulomb_friction.friction: 0.1 is repeated"]),
     ({"surfaces": {"silicon front": {"surface_slope": 1.5}}}, ["surfaces.silicon front.surface_slope: 1.5 rad must be from -0.5 to 0.5 rad"]),
     ({"campaign": {"blocks": {"fast impacts": None}}}, ["campaign.blocks: give 181 experiments, not 187; 12 speed ranges, not 14, as counted: change counted, too"]),

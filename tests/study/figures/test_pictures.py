@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.path import Path as Outline
 from matplotlib.transforms import Bbox
@@ -226,48 +225,3 @@ def test_a_symbol_has_one_name_at_every_axis():
         own = {label for label in written if symbol in label} - {"Bias of $e$"}
         assert own <= set(QUANTITIES.values())
         assert own
-
-
-@pytest.fixture
-def plain():
-    with style.context():
-        figure = Figure(figsize=(3.0, 2.0))
-        ax = figure.add_subplot()
-        ax.plot([0.0, 1.0], [0.0, 1.0], label="rising")
-        ax.legend(loc="upper left")
-        yield figure, ax
-
-
-def test_a_figure_in_order_has_no_fault(plain):
-    figure, ax = plain
-    ax.text(0.7, 0.1, "below the line")
-    assert not list(faults(figure))
-
-
-@pytest.mark.parametrize(
-    ("spoil", "fault"),
-    [
-        (lambda ax: [ax.text(0.7, 0.1, word) for word in ("one", "two")], "'one' over 'two'"),
-        (lambda ax: ax.text(0.5, 0.5, "here", ha="center"), "'here' over data"),
-        (lambda ax: (ax.plot(0.8, 0.2, "C0o"), ax.text(0.8, 0.19, "at")), "'at' over data"),
-        (lambda ax: (ax.errorbar(0.8, 0.2, 0.1), ax.text(0.78, 0.22, "bar")), "'bar' over data"),
-        (lambda ax: ax.text(1.2, 0.5, "beyond"), "'beyond' off the sheet"),
-        (lambda ax: ax.legend(loc="center"), "'rising' over data"),
-        (lambda ax: ax.plot([0, 1], [0.2, 0.1], "C1--", label="_new"), "not named: '_new'"),
-        (lambda ax: ax.plot([0.5], [0.1], "^", color="C1", label="_mark"), "not named: '_mark'"),
-        (lambda ax: ax.plot([0, 1], [1, 0.6], "C1"), "told apart by colour alone: "),
-        (lambda ax: ax.set_xticks([0.50, 0.52], ["0.50", "0.52"]), "'0.50' over '0.52'"),
-    ],
-)  # fmt: skip
-def test_what_collides_or_lacks_a_name_is_found(plain, spoil, fault):
-    figure, ax = plain
-    figure.set_layout_engine("none")
-    spoil(ax)
-    found = list(faults(figure))
-    assert any(f.startswith(fault) for f in found), found
-
-
-def test_a_text_on_a_ground_of_its_own_may_lie_on_a_line(plain):
-    figure, ax = plain
-    ax.text(0.5, 0.5, "here", bbox={"facecolor": "white", "edgecolor": "none"})
-    assert not list(faults(figure))

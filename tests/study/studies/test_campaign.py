@@ -78,8 +78,3 @@ def test_another_number_of_experiments_is_refused():
 def test_bad_blocks_are_refused(change, message):
     with pytest.raises(ValueError, match=message):
         plan(BLOCK, replace(BLOCK, **change))
-
-
-def test_a_class_holds_its_nominal_speed():
-    with pytest.raises(ValueError, match=r"\[1\.1, 1\.2\] must ascend and hold 1"):
-        SpeedClass(speed_m_per_s=1.0, speed_range_m_per_s=(1.1, 1.2))

@@ -20,7 +20,6 @@ from microimpact.statistics.effects import (
     half_normal_positions,
     lenth,
     normal_positions,
-    quarter_fractions,
     words,
 )
 from study.declared.parameters import build, explain
@@ -51,20 +50,6 @@ def rated(contact):
     return contact.replace(adhesion_rate_exponent=0.7, reference_velocity=1.66, hertz_damping=0.5)
 
 
-def test_half_fraction_of_resolution_five():
-    found = aliases(defining_relation("a b c d abcd", LETTERS), LETTERS)
-    # each effect with all letters that it lacks
-    assert {k: list(v) for k, v in found.items()} == {
-        word: [other]
-        for word, other in (
-            *(("A", "BCDE"), ("B", "ACDE"), ("C", "ABDE"), ("D", "ABCE"), ("E", "ABCD")),
-            *(("AB", "CDE"), ("AC", "BDE"), ("AD", "BCE"), ("AE", "BCD"), ("BC", "ADE")),
-            *(("BD", "ACE"), ("BE", "ACD"), ("CD", "ABE"), ("CE", "ABD"), ("DE", "ABC")),
-        )
-    }
-    assert {sign for others in found.values() for sign in others.values()} == {1}
-
-
 @pytest.mark.parametrize(
     "generator", ["a b c d abcd", "a b c d -abcd", "a b c ab ac", "a b c -ab abc", "a b ab c ac"]
 )
@@ -87,13 +72,6 @@ def test_the_full_design_has_no_aliases():
     (row, *others) = alias_rows(relation)
     assert row == {"effect": "A", "aliases": "", "defining_relation": "I", "resolution": "full"}
     assert len(others) == 30
-
-
-def test_there_are_fifteen_quarter_fractions():
-    found = quarter_fractions(LETTERS)
-    # two words of three letters share one, their product has four: 5 x 3 ways
-    assert len(found) == 15
-    assert all(len(set(a) & set(b)) == 1 for a, b in found)
 
 
 @pytest.mark.parametrize(
@@ -167,13 +145,6 @@ def test_levels_move_the_factors_alone(rated):
         assert float(after[letter] / before[letter]) == pytest.approx(multiple, rel=1e-12)
 
 
-def test_damping_at_fixed_zeta_follows_the_stiffness_and_not_the_radius(rated):
-    bigger = at_levels(rated, np.array([1.0, 1.0, 2.0, 1.0, 1.0]))
-    assert bigger.adhesion_damping == pytest.approx(rated.adhesion_damping, rel=1e-13)
-    stiffer = at_levels(rated, np.array([32.0, 1.0, 1.0, 1.0, 1.0]))
-    assert stiffer.adhesion_damping == pytest.approx(rated.adhesion_damping / 4.0, rel=1e-13)
-
-
 @pytest.mark.parametrize("rate", [0.0, 0.7, 1.0])
 def test_elasticities_against_differences(contact, rate):
     contact = contact.replace(
@@ -196,29 +167,10 @@ def test_elasticities_against_differences(contact, rate):
         assert found.at_fixed_damping[i] == pytest.approx((logs[0] - logs[1]) / 2 / step, rel=1e-6)
 
 
-def test_work_of_adhesion_and_radius_enter_as_their_ratio(rated):
-    for found in (elasticities(rated).at_fixed_zeta, elasticities(rated).at_fixed_damping):
-        assert found[1] == pytest.approx(-found[2], rel=1e-13)
-    both = at_levels(rated, np.array([1.0, 1.7, 1.7, 1.0, 1.0]))
-    assert float(capture_velocity(both)) == pytest.approx(float(capture_velocity(rated)), rel=1e-10)
-
-
 def test_small_damping_gives_five_quarters(scaled):
     found = elasticities(scaled(1e-6, 1e-6)).at_fixed_zeta
     # v_c ~ V (C_A + 2 C_H)^(1/2): K^(-1/3 - 1/6 - 1/5), (w/r)^(5/4), and 1/3 and 2/3 of a half
     assert found == pytest.approx([-0.7, 1.25, -1.25, 1 / 6, 1 / 3], abs=2e-3)
-
-
-def test_log_effects_of_a_power_law_are_elasticities_times_log_ratios(scaled):
-    # with little damping the law is a power law in K, w_A and r; zetas stay put
-    contact = scaled(1e-7, 1e-7)
-    levels = np.array([[0.8, 0.5, 0.9, 0.999999, 0.999999], [1.25, 2.0, 1.1, 1.000001, 1.000001]])
-    design = full_factorial(5)
-    response = capture_velocity(at_levels(contact, np.where(design < 0, levels[0], levels[1])))
-    found = effects(design, LETTERS, words(LETTERS), np.log(response))
-    slopes = elasticities(contact).at_fixed_zeta
-    assert found[:3] == pytest.approx((slopes * np.log(levels[1] / levels[0]))[:3], rel=1e-3)
-    assert np.abs(found[5:]).max() < 2e-3
 
 
 @pytest.fixture(scope="module")

@@ -18,16 +18,10 @@ from microimpact.statistics.distributions import TruncatedNormal, generator
 from study.studies.experiments.laboratory_sensitivity import change
 from study.studies.experiments.mechanisms.impulse_regions import regions
 from study.studies.experiments.mechanisms.speed_and_angle import rigid_loss
-from study.studies.experiments.mechanisms.spin import rolling_limit, tilted_ratio
+from study.studies.experiments.mechanisms.spin import rolling_limit
 from study.studies.experiments.mechanisms.spore import off_centre
 from study.studies.experiments.pile_up import onset
-from study.studies.samples import (
-    Dropped,
-    Sample,
-    Sampling,
-    difference_columns,
-    half_width,
-)
+from study.studies.samples import Dropped, Sample, Sampling, difference_columns, half_width
 
 SAMPLING = Sampling(seed=5, impacts=800, events=40, angle_error_deg=0.25, dispenser=STILL)
 STEEL = Dropped(
@@ -44,10 +38,6 @@ STEEL = Dropped(
 
 def on(contact):
     return Sample(dropped=STEEL, contact=contact, sampling=SAMPLING)
-
-
-def test_slopes_of_both_bodies_add_in_quadrature():
-    assert replace(STEEL, surface_slope=0.3, particle_slope=0.4).slope_sd == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("angle", [85.0, 60.0, 30.0])
@@ -102,12 +92,6 @@ def test_limit_of_rolling(contact):
     closed = np.degrees(np.arctan(1.0 / (3.5 * 0.15 * (1.0 + e))))
     assert found == pytest.approx(closed, abs=1.0)
     assert rolling_limit(contact, 1.66, -0.3) > found + 5.0
-
-
-def test_a_tilted_target_shows_as_an_impulse_ratio(contact):
-    e = float(simulate(contact, 1.66).coefficient_of_restitution)
-    closed = -np.radians(0.7) * (1.0 - 2.0 / 7.0 / (1.0 + e))
-    assert tilted_ratio(contact, 1.66, 0.7) == pytest.approx(closed, rel=1e-3)
 
 
 def test_regions_of_an_ideal_curve():

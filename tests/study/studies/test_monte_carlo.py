@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import re
-import sys
 import tracemalloc
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
@@ -32,7 +30,6 @@ from microimpact.statistics.distributions import (
     Uniform,
     generator,
 )
-from microimpact.statistics.sampling import Correlation
 from study.declared.parameters import build, explain
 from study.studies.analyses.monte_carlo import Params, stream
 from study.studies.analyses.monte_carlo.ensembles import (
@@ -44,7 +41,6 @@ from study.studies.analyses.monte_carlo.ensembles import (
     deterministic,
     estimate,
     long_run,
-    progress,
     replicate_shares,
     replicate_sums,
 )
@@ -236,19 +232,6 @@ def test_memory_does_not_grow_with_the_events(ensemble):
     assert peaks[1] < 1.1 * peaks[0] < 50e6
 
 
-def test_progress_is_shown_on_a_terminal_only(capsys, monkeypatch):
-    with progress("events", 2) as done:
-        done(1)
-    assert capsys.readouterr() == ("", "")
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    monkeypatch.setenv("TERM", "xterm")
-    with progress("events", 2) as done:
-        done(2)
-    shown = capsys.readouterr()
-    assert "events" in shown.err
-    assert shown.out == ""
-
-
 def test_estimates_of_all_methods_agree_and_quasi_random_ones_are_closer(ensemble):
     process = constants(slope=ROUGH, diameter_um=Normal(mean=62.0, sd=2.0))
     means = {
@@ -396,12 +379,11 @@ def test_rigid_bodies_with_friction_and_spin_obey_mechanics_over_all_their_conta
     rules = Rules(facets=facets, must_leave=must_leave, most_contacts=most_contacts)
     compiled = ensemble(process, rules=rules, size=(4, 1024))
     sequential = replace(compiled, impact=Sequential(compiled.impact))
-    shares = [replicate_shares(compiled, 0, number) for number in range(4)]
     for angle in (8.0, 40.0, 90.0):
-        sums, expected = (replicate_sums(of, angle, shares) for of in (compiled, sequential))
-        assert np.array_equal(sums[:, : passes.E], expected[:, : passes.E])
-        assert sums[:, passes.E :] == pytest.approx(expected[:, passes.E :], rel=1e-9)
-        assert expected[:, passes.ACCEPTED].all()
+        found, expected = (estimate(of, angle) for of in (compiled, sequential))
+        assert found[-4:] == expected[-4:]
+        assert found[:6] == pytest.approx(expected[:6], rel=1e-9)
+        assert expected.accepted > 0.0
 
 
 @pytest.mark.parametrize("exponent", [0.0, 1.0])
@@ -473,8 +455,6 @@ def test_inferred_slope_gives_back_the_restitution_it_was_inferred_from(ensemble
         angle_half_width_deg=2.5,
         restitution_half_width=0.05,
         events_measured=40,
-        smallest_sd=0.02,
-        largest_sd=0.5,
         laboratory_sd=0.16,
         plan=Plan(replicates=4, events=512, method="quasi_random"),
     )
@@ -539,24 +519,6 @@ def test_malformed_sample_files_are_refused(tmp_path, text, message):
     path.write_text(text)
     with pytest.raises(ValueError, match=message):
         SampleFile(path=str(path))
-
-
-def test_sample_file_draws_its_values(tmp_path):
-    path = tmp_path / "slopes.txt"
-    path.write_text("# tangents of the slope\n0.3\n-0.1  # a scratch\n\n0.1\n")
-    law = SampleFile(path=str(path))
-    assert law.quantile(np.array([0.1, 0.5, 0.9])).tolist() == [-0.1, 0.1, 0.3]
-    values = json.loads(json.dumps(plain_process(slope={"kind": "sample_file", "path": str(path)})))
-    assert build(Process, values).slope == law
-
-
-@pytest.mark.parametrize(
-    ("name", "message"), [("slop", "'slop' must be one of"), ("friction", "'friction' is constant")]
-)
-def test_correlated_parameters_must_be_there_and_vary(ensemble, name, message):
-    correlation = Correlation(names=("slope", name), matrix=((1.0, 0.5), (0.5, 1.0)))
-    with pytest.raises(ValueError, match=message):
-        replace(ensemble(), correlation=correlation)
 
 
 @pytest.mark.parametrize("events", [1, 3, 1000])

@@ -7,30 +7,18 @@ from functools import partial
 import numpy as np
 import pandas as pd
 import pytest
-from pydantic import ValidationError
 from SALib.analyze.sobol import analyze
 
 from microimpact.model.calibration import two_stage
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.statistics.sobol import saltelli_sample, sobol_indices
-from study.declared.parameters import build, explain
-from study.studies.analyses import sensitivity
 from study.studies.analyses.sensitivity import Draw, group_tables
-from study.studies.analyses.sensitivity.ridge import (
-    Targets,
-    calibrated_sample,
-    material_damping,
-)
+from study.studies.analyses.sensitivity.ridge import Targets, calibrated_sample, material_damping
 
 
 def generator(*key):
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence(7, spawn_key=key)))
-
-
-@pytest.fixture(scope="module")
-def branch(settings):
-    return settings.branches["sensitivity"]
 
 
 @pytest.fixture(scope="module")
@@ -42,16 +30,6 @@ def ridge(steel, silicon, contact):
 
 def indices(response):
     return sobol_indices(response, generator(2), resamples=200, confidence=0.95)
-
-
-def test_sample_is_saltelli():
-    cube = saltelli_sample(3, 16, generator(1))
-    assert cube.shape == (16, 5, 3)
-    a, b = cube[:, 0], cube[:, -1]
-    for i in range(3):
-        other = np.arange(3) != i
-        np.testing.assert_array_equal(cube[:, 1 + i, i], b[:, i])
-        np.testing.assert_array_equal(cube[:, 1 + i, other], a[:, other])
 
 
 def test_indices_are_those_of_the_library():
@@ -73,19 +51,6 @@ def test_indices_are_those_of_the_library():
             assert getattr(found, f"{name}_{end}") == pytest.approx(ends, rel=1e-9)
 
 
-def test_ishigami():
-    x = np.pi * (2.0 * saltelli_sample(3, 4096, generator(1)) - 1.0)
-    response = np.sin(x[..., 0]) + 7.0 * np.sin(x[..., 1]) ** 2
-    response += 0.1 * x[..., 2] ** 4 * np.sin(x[..., 0])
-    found = indices(response)
-    # a = 7, b = 0.1: variances of one, of two, and of one with three
-    one, two = 0.5 * (1 + 0.1 * np.pi**4 / 5) ** 2, 49 / 8
-    both = 0.01 * np.pi**8 * (1 / 18 - 1 / 50)
-    variance = one + two + both
-    assert found.first == pytest.approx(np.array([one, two, 0.0]) / variance, abs=0.02)
-    assert found.total == pytest.approx(np.array([one + both, two, both]) / variance, abs=0.02)
-
-
 def test_groups_of_a_product():
     # y = x_0 (x_1 + x_2): uncertainty is the sum, variability the factor; they interact
     cube = 0.5 + saltelli_sample(3, 2048, generator(1))
@@ -102,25 +67,6 @@ def test_groups_of_a_product():
         assert groups["total"][name] == pytest.approx(total / variance, abs=0.015)
     single = find(draw.kept()).total[0]
     assert single == pytest.approx(groups["total"]["variability"], rel=1e-12)
-
-
-@pytest.mark.parametrize("samples", [0, 1, 48, 1000])
-def test_samples_must_be_a_power_of_two(branch, samples):
-    with pytest.raises(ValueError, match=f"power of two, 2 or more, got {samples}"):
-        saltelli_sample(2, samples, generator(1))
-    with pytest.raises(ValidationError) as caught:
-        build(sensitivity.Params, {**branch, "samples": samples})
-    (line,) = explain(caught.value, sensitivity.Params, "sensitivity")
-    assert "samples" in line
-
-
-@pytest.mark.parametrize(
-    ("response", "words"),
-    [(np.full((4, 3), 2.0), "varies"), (np.array([[1.0, np.inf, 2.0]] * 4), "finite")],
-)
-def test_responses_without_indices(response, words):
-    with pytest.raises(ValueError, match=words):
-        indices(response)
 
 
 @pytest.mark.parametrize("without", [np.nan, np.inf])
@@ -195,12 +141,3 @@ def test_calibration_absorbs_the_stiffness(ridge):
     # V stays, so w_A goes with K^(2/5)
     ratio = sample.work_of_adhesion[1] / sample.work_of_adhesion[0]
     assert ratio == pytest.approx(1.5**0.4, rel=1e-7)
-
-
-def test_draws_that_no_speed_rebounds_are_left_out(branch, ridge):
-    params = build(sensitivity.Params, {**branch, "samples": 8, "least_samples": 8})
-    letters = pd.DataFrame({"low_multiple": [1.0] * 5, "high_multiple": [1.0] * 5})
-    letters.loc[4, "high_multiple"] = 1e9  # so much material damping captures at any speed
-    draw = sensitivity.independent(params, "c", "realistic", ridge, letters, (0, 0))
-    with pytest.raises(ValueError, match="0 of 8 base samples have finite capture velocities"):
-        draw.kept()

@@ -61,10 +61,7 @@ def draw_fits(tables: Tables, spec: FigureSpec) -> Figure:
         name: replace(
             panel,
             series={
-                series: replace(
-                    entry,
-                    label=f"{entry.label}: $v_c$ = {limits[fitted]:.3g} m/s",
-                )
+                series: replace(entry, label=f"{entry.label}: $v_c$ = {limits[fitted]:.3g} m/s")
                 if (fitted := series.removesuffix(", fit")) != series and fitted in limits
                 else entry
                 for series, entry in panel.series.items()

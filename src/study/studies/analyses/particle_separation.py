@@ -28,13 +28,7 @@ from microimpact.model.separation import (
     patch_force,
     touching_spherules,
 )
-from study.declared.parameters import (
-    AboveOne,
-    Fraction,
-    Must,
-    OpenShare,
-    Positive,
-)
+from study.declared.parameters import AboveOne, Fraction, Must, OpenShare, Positive
 from study.studies.contacts import all_printed
 from study.tables import Row, Tables, series_frame
 

@@ -30,13 +30,7 @@ from microimpact.model.rigid_body.roughness import (
     shallow_restitution,
     sloped_impulse_ratio,
 )
-from study.declared.parameters import (
-    AngleDegrees,
-    Finite,
-    Fraction,
-    ObliqueDegrees,
-    OpenShare,
-)
+from study.declared.parameters import AngleDegrees, Finite, Fraction, ObliqueDegrees, OpenShare
 from study.tables import Tables, series_frame
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")

@@ -15,13 +15,7 @@ from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import QUANTITIES, quantities
 from microimpact.statistics.distributions import TruncatedNormal, generator
-from study.declared.parameters import (
-    Count,
-    Name,
-    NonNegative,
-    ObliqueDegrees,
-    Positive,
-)
+from study.declared.parameters import Count, Name, NonNegative, ObliqueDegrees, Positive
 from study.studies.samples import FEWEST_REBOUNDS, Dropped, Sample, Sampling, in_class
 from study.tables import Tables
 

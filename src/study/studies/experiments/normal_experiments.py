@@ -22,13 +22,7 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution, generator, mean
 from microimpact.statistics.intervals import mean_and_error
-from study.declared.parameters import (
-    CaseName,
-    ExperimentSeed,
-    Fraction,
-    Name,
-    Positive,
-)
+from study.declared.parameters import CaseName, ExperimentSeed, Fraction, Name, Positive
 from study.studies.contacts import calibrated_contact, pair_of, printed_beside
 from study.tables import Tables, series_frame
 

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import Annotated
 
 import numpy as np
@@ -29,7 +30,7 @@ from microimpact.lab.pdpa.pairing import Form, correct, search
 from microimpact.lab.surface import Rebound
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution, generator
-from microimpact.statistics.intervals import mean_and_error, wilson_interval
+from microimpact.statistics.intervals import ERROR_BAR, mean_and_error, wilson_interval
 from study.declared.parameters import AboveOne, CaseName, Count, Positive
 from study.studies.contacts import calibrated_contact
 from study.tables import Row, Tables, series_frame
@@ -37,6 +38,11 @@ from study.tables import Row, Tables, series_frame
 # Particles released, at most, for each that is to fall through the probe volume; so many of these
 # at a time.
 MOST_RELEASED, AT_ONCE = 20_000, 100
+# The stream that is shown: slow enough for some rebounds to be missing, m/s, and the release after
+# one tap.
+SHOWN_SPEED, WINDOW_MS = 0.5, 100.0
+# Places of the parts among the draws of the study.
+PARTICLES, ANALYSER, CONTROLS, CORRECTION, SLOW, SHOWN = range(6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -148,7 +154,7 @@ class Control:
 
 
 def pairing_controls(
-    setup: Apparatus, params: Control, experiments: int, particles: int, key: int
+    setup: Apparatus, params: Control, experiments: int, particles: int
 ) -> Iterator[Row]:
     """Yield how the search fares with changed streams of the same experiments.
 
@@ -157,12 +163,12 @@ def pairing_controls(
     """
     often = setup.dispenser.particles_per_tap * params.crowding
     crowded = replace(setup, dispenser=replace(setup.dispenser, particles_per_tap=often))
-    speed, keys = params.speed_m_per_s, ((key, 0), (key, 1))
+    speed, keys = params.speed_m_per_s, ((CONTROLS, 0), (CONTROLS, 1))
     plain, dense = (
         observed(case, speed, particles, *keys, experiments=experiments)
         for case in (setup, crowded)
     )
-    draws = (generator(setup.seed, key, i, 2) for i in range(experiments))
+    draws = (generator(setup.seed, CONTROLS, i, 2) for i in range(experiments))
     streams = {
         "as recorded": plain,
         "times of rebounds permuted": map(_times_permuted, plain, draws),
@@ -170,7 +176,11 @@ def pairing_controls(
         f"{params.crowding:g} times the arrivals": dense,
     }
     for name, observations in streams.items():
-        paired = [_searched(one, setup.instrument) for one in observations]
+        height = setup.instrument.initial_height
+        paired = [
+            replace(one, pairing=search(one.stream, height, setup.instrument))
+            for one in observations
+        ]
         total = _total(paired)
         yield {
             "stream": name,
@@ -185,10 +195,6 @@ def pairing_controls(
             ),
             "converged": sum(one.pairing.converged for one in paired) / experiments,
         }
-
-
-def _searched(changed: Observation, instrument: Analyser) -> Observation:
-    return replace(changed, pairing=search(changed.stream, instrument.initial_height, instrument))
 
 
 def _total(experiments: list[Observation]) -> dict[str, int]:
@@ -207,11 +213,10 @@ def _times_permuted(observation: Observation, rng: np.random.Generator) -> Obser
 
 def _without_rebounds(observation: Observation) -> Observation:
     """Leave out rising spheres; false records stay, and rise as often as they fall."""
-    stays: BoolArray = (observation.truth.impact < 0) | (observation.stream.velocity < 0.0)
-    truth = replace(
-        observation.truth, leg=observation.truth.leg[stays], impact=observation.truth.impact[stays]
-    )
-    return replace(observation, stream=observation.stream.select(stays), truth=truth)
+    stream, truth = observation.stream, observation.truth
+    stays: BoolArray = (truth.impact < 0) | (stream.velocity < 0.0)
+    truth = replace(truth, leg=truth.leg[stays], impact=truth.impact[stays])
+    return replace(observation, stream=stream.select(stays), truth=truth)
 
 
 _frame = partial(series_frame, x_unit="m_per_s", y_unit="1")
@@ -229,7 +234,7 @@ class Correction:
     curve_points: Annotated[int, Field(ge=20)]
 
 
-def surface_correction(setup: Apparatus, params: Correction, key: int) -> Iterator[Row]:
+def surface_correction(setup: Apparatus, params: Correction) -> Iterator[Row]:
     """Yield the bias of both corrections on the speeds v and V, m/s, and on e.
 
     ``closed_form`` is that of the printed correction. ``printed`` and ``exact`` come from the
@@ -239,7 +244,7 @@ def surface_correction(setup: Apparatus, params: Correction, key: int) -> Iterat
     for i, speed in enumerate(params.speeds_m_per_s):
         for j, e in enumerate(params.restitutions):
             expected = closed_form(speed, e, 1e-3 * setup.instrument.probe_height_mm)
-            corrected = _measured(setup, params.particles, speed, e, (key, i, j))
+            corrected = _measured(setup, params.particles, speed, e, (CORRECTION, i, j))
             for quantity, true in {"v": speed, "V": e * speed, "e": e}.items():
                 row = {
                     "speed_m_per_s": speed,
@@ -281,7 +286,7 @@ def correction_curves(table: pd.DataFrame, params: Correction) -> pd.DataFrame:
         rows = table[(table["quantity"] == "e") & (table["restitution"] == e)]
         rows = rows[rows["exact_standard_error"].notna()]
         for form in FORMS:
-            y, half = rows[form], 1.96 * rows[f"{form}_standard_error"]
+            y, half = rows[form], ERROR_BAR * rows[f"{form}_standard_error"]
             name, x = f"{form}, e = {e:g}", rows["speed_m_per_s"]
             frames.append(
                 _frame("correction", name, x, y, "virtual experiment", y - half, y + half)
@@ -324,15 +329,15 @@ def _of_first(observation: Observation, form: Form = "exact") -> Measured:
 DRAWN_SHARES = {"precision": "precision", "recall": "recall", "seen": "recall_of_seen_rebounds"}
 
 
-def stream_shown(observation: Observation, window: float) -> pd.DataFrame:
-    """Return the stretch (ms) of a stream with the most records, velocity against time."""
+def stream_shown(observation: Observation) -> pd.DataFrame:
+    """Return the stretch of a stream with the most records, velocity against time."""
     stream, pairing = observation.stream, observation.pairing
     time = 1e3 * stream.time
     # A stretch begins a little ahead of a record; those of a stream are in order of time.
-    starts = time - 0.05 * window
-    number = np.searchsorted(time, starts + window) - np.arange(len(time))
+    starts = time - 0.05 * WINDOW_MS
+    number = np.searchsorted(time, starts + WINDOW_MS) - np.arange(len(time))
     start = float(starts[np.argmax(number)]) if len(time) else 0.0
-    shown = (time >= start) & (time <= start + window)
+    shown = (time >= start) & (time <= start + WINDOW_MS)
     series = {
         "falling": np.flatnonzero(shown & (stream.velocity < 0.0)),
         "rising": np.flatnonzero(shown & (stream.velocity > 0.0)),
@@ -363,8 +368,6 @@ def pairing_curves(quality: pd.DataFrame) -> pd.DataFrame:
 
 NEEDS = {"calibration": ("calibration",)}
 
-# Places of the parts among the draws of the study.
-PARTICLES, ANALYSER, CONTROLS, CORRECTION, SLOW, SHOWN = range(6)
 POOLED = ("pairs", "true_pairs", "later_pairs", "recorded_pairs", "rebounds", "seen_rebounds")
 CONTROLLED = ("pairs", "true_pairs", "recorded_pairs", "unpaired_incidents")
 COUNTS = {*POOLED, *CONTROLLED}
@@ -386,14 +389,6 @@ class Slow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Shown:
-    """A stretch of one stream."""
-
-    speed_m_per_s: Positive
-    window_ms: Positive
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
     """Particles, dispenser and analyser; heights and speeds; number and size of experiments."""
 
@@ -409,7 +404,6 @@ class Params:
     correction: Correction
     slow: Slow
     controls: Control
-    shown: Shown
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -430,18 +424,16 @@ def run(params: Params, inputs: Tables) -> Tables:
     )
     quality, losses = pairing_quality(params, setup)
     size = params.experiments, params.particles
-    controls = pairing_controls(setup, params.controls, *size, CONTROLS)
-    shown = params.shown.speed_m_per_s, params.particles, (SHOWN, 0), (SHOWN, 1)
-    (example,) = observed(setup, *shown)
-    aligned = setup.aligned.steady
-    correction = pd.DataFrame(surface_correction(aligned, params.correction, CORRECTION))
+    controls = pairing_controls(setup, params.controls, *size)
+    (example,) = observed(setup, SHOWN_SPEED, params.particles, (SHOWN, 0), (SHOWN, 1))
+    correction = pd.DataFrame(surface_correction(setup.aligned.steady, params.correction))
     return {
         "pairing_quality": quality,
         "pairing_losses": losses,
         "pairing_controls": pd.DataFrame(controls),
         "surface_correction": correction,
         "slow_rebounds": pd.DataFrame(slow_rebounds(setup.steady, params.slow)),
-        "doppler_stream": stream_shown(example, params.shown.window_ms),
+        "doppler_stream": stream_shown(example),
         "pairing_curves": pairing_curves(quality),
         "correction_curves": correction_curves(correction, params.correction),
     }
@@ -453,15 +445,15 @@ def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.
     ``..._change_points`` is the spread of a share over all heights at one speed, in points.
     """
     rows, losses = [], []
-    for i, height in enumerate(params.heights_mm):
+    places = product(enumerate(params.heights_mm), enumerate(params.speeds_m_per_s))
+    for (i, height), (j, speed) in places:
         placed = replace(setup, instrument=replace(setup.instrument, probe_height_mm=height))
-        for j, speed in enumerate(params.speeds_m_per_s):
-            size = params.particles, (PARTICLES, i, j), (ANALYSER, i, j)
-            observations = observed(placed, speed, *size, experiments=params.experiments)
-            setting = {"probe_height_mm": height, "speed_m_per_s": speed}
-            total, number = _total(observations), params.experiments * params.particles
-            rows.append({**setting, "impacts": number, **_pooled(observations, total)})
-            losses += [{**setting, "fate": name, "impacts": total[name]} for name in FATES]
+        size = params.particles, (PARTICLES, i, j), (ANALYSER, i, j)
+        observations = observed(placed, speed, *size, experiments=params.experiments)
+        setting = {"probe_height_mm": height, "speed_m_per_s": speed}
+        total, number = _total(observations), params.experiments * params.particles
+        rows.append({**setting, "impacts": number, **_pooled(observations, total)})
+        losses += [{**setting, "fate": name, "impacts": total[name]} for name in FATES]
     table = pd.DataFrame(rows)
     for share in ("precision", "recall"):
         over_heights = table.groupby("speed_m_per_s")[share].transform

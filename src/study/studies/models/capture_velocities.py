@@ -145,8 +145,7 @@ def laws_of(pair: PairCase, contact: Contact, plateau_speed_ratio: float) -> dic
     laws = {
         MODEL: Law(capture_velocity, modelled),
         JKR: Law(
-            jkr_sticking_velocity,
-            lambda v: sticking_restitution(v, jkr_sticking_velocity(contact)),
+            jkr_sticking_velocity, lambda v: sticking_restitution(v, jkr_sticking_velocity(contact))
         ),
         BRACH_DUNN: Law(brach_dunn_velocity, None),
         DAHNEKE: Law(dahneke, lambda v: sticking_restitution(v, dahneke(contact), plateau)),

@@ -10,13 +10,7 @@ from scipy.constants import g
 
 from microimpact.lab.bounces import with_later_impacts
 from microimpact.lab.events import Impacts
-from microimpact.lab.pdpa.analyser import (
-    INCIDENT,
-    REBOUND,
-    Analyser,
-    passages,
-    records,
-)
+from microimpact.lab.pdpa.analyser import INCIDENT, REBOUND, Analyser, passages, records
 from microimpact.lab.surface import Rebound
 
 H = 1e-3
@@ -149,18 +143,6 @@ def test_a_bounce_is_an_impact_again():
     found = passages(everything, H, replace(QUIET, probe_along_um=1e5, probe_across_um=1e-3))
     assert -found.velocity[INCIDENT, 3] == pytest.approx(found.velocity[REBOUND, 0], rel=1e-9)
     assert len(with_later_impacts(first, later, 0)) == 3
-
-
-def test_records_of_a_quiet_analyser_are_the_passages():
-    found = passages(impacts([0.75, 1.66, 0.3], [0.5, 1.2, 0.0]), H, QUIET)
-    stream, truth = records(found, 10.0, QUIET, np.random.default_rng(1))
-    assert truth.leg.tolist() == [0, 1, 0, 1, 0]
-    assert truth.impact.tolist() == [0, 0, 1, 1, 2]
-    passed = truth.leg, truth.impact
-    assert np.array_equal(stream.time, found.time[passed])
-    assert np.array_equal(stream.velocity, found.velocity[passed])
-    assert np.array_equal(stream.diameter, found.diameter[truth.impact])
-    assert np.array_equal(truth.recorded, found.crossed)
 
 
 def test_noise_is_as_declared():

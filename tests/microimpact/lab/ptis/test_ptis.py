@@ -161,25 +161,6 @@ def test_interlaced_lines_are_means_of_two():
     assert np.abs(field - 0.5 * (whole[::2] + whole[1::2])).max() <= 1.0
 
 
-@pytest.mark.parametrize("interlace", [False, True])
-def test_grey_levels_are_light_with_shot_and_reading_noise(interlace):
-    instrument = replace(INSTRUMENT, interlace=interlace, electrons_per_count=7.0)
-    events, setup = impacts(1.66, 60.0), setup_for(1.66, 60.0, instrument)
-    frame = render(events, 0, setup, EXACT, generator(3))
-    rng = generator(3)
-    light = light_of(exposures(events.select(slice(1)), setup, EXACT, [rng]), setup, EXACT).astype(
-        float
-    )
-    if interlace:
-        light = 0.5 * (light[::2] + light[1::2])
-    draws = rng.integers(0, 2**16, light.shape, dtype=np.uint16)
-    level = light + instrument.background_counts
-    spread = np.sqrt(level / instrument.electrons_per_count + instrument.read_noise_counts**2)
-    level += spread * scipy.special.ndtri((draws + 0.5) / 2**16)
-    # Rounding to a grey level may fall either way where single precision decides.
-    assert np.all(np.abs(frame - np.clip(level, 0.0, 255.0)) <= 0.5 + 1e-3)
-
-
 @pytest.mark.parametrize("blur", [0.7, 1.0, 2.3])
 def test_light_is_the_exact_integral_over_pixels_of_the_blurred_path(blur):
     """Without a disk, against the sum of Gaussians at the same points of the path."""
@@ -218,11 +199,13 @@ def test_a_disk_spreads_light_evenly_over_its_area():
 
 
 def test_noise_of_the_dark_frame():
-    events, setup = impacts(1.66, 60.0, position=np.array([[0.0, 1e-3]])), setup_for(1.66, 60.0)
+    instrument = replace(INSTRUMENT, electrons_per_count=2.0)
+    setup = setup_for(1.66, 60.0, instrument)
+    events = impacts(1.66, 60.0, position=np.array([[0.0, 1e-3]]))
     dark = render(events, 0, setup, EXACT, generator(3)).astype(float)
     assert dark.mean() == pytest.approx(20.0, abs=0.1)
-    # Read noise, shot noise of the background, rounding.
-    assert dark.std() == pytest.approx(np.sqrt(16.0 + 0.2 + 1 / 12), rel=0.02)
+    # Read noise of 4 counts, shot noise of 40 electrons, rounding.
+    assert dark.std() == pytest.approx(np.sqrt(16.0 + 10.0 + 1 / 12), rel=0.02)
 
 
 def test_systematic_errors_have_their_standard_deviations():

@@ -7,12 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from scipy import stats
-from tests.microimpact.lab.ptis.imaging_cases import (
-    INSTRUMENT,
-    generator,
-    impacts,
-    setup_for,
-)
+from tests.microimpact.lab.ptis.imaging_cases import INSTRUMENT, generator, impacts, setup_for
 
 from microimpact.lab.ptis import errors
 from microimpact.lab.ptis.exposure import CAPTURED, MEASURED, OFF_SHEET
@@ -117,21 +112,3 @@ def test_losses_by_geometry():
     assert MEASURED not in modelled(touching, setup_for(1.66, 60.0), EXACT, generator()).fates
     steep = impacts(1.66, 88.5, n)
     assert MEASURED not in modelled(steep, setup_for(1.66, 88.5), EXACT, generator()).fates
-
-
-def test_the_model_does_not_depend_on_chunks():
-    events, setup = impacts(1.05, 60.0, 12), setup_for(1.05, 60.0)
-    whole, rng = modelled(events, setup, EXACT, generator(5)), generator(5)
-    parts = [
-        modelled(
-            events.select(slice(a, b)),
-            setup,
-            EXACT,
-            rng,
-            [event_generator(rng, i) for i in range(a, b)],
-        )
-        for a, b in ((0, 5), (5, 12))
-    ]
-    assert whole.fates == sum((part.fates for part in parts), ())
-    joined = np.concatenate([part.measured.velocities for part in parts])
-    assert np.array_equal(whole.measured.velocities, joined)

@@ -31,14 +31,7 @@ from microimpact.statistics.effects import (
     product,
     quarter_fractions,
 )
-from study.declared.parameters import (
-    AboveOne,
-    CaseName,
-    Must,
-    Name,
-    OpenShare,
-    Positive,
-)
+from study.declared.parameters import CaseName, Name, OpenShare, Positive
 from study.studies.analyses.doe.factors import (
     FACTORS,
     LETTERS,
@@ -58,6 +51,8 @@ PRINTED_VALUES = ("doe_small_variation",)
 
 # Place of this study among the random draws of one seed.
 ANALYSIS = 24
+# Measurements begin above capture; they end as for Fig. 16, in capture velocities of the run.
+FITTED = (1.1, 15.0)
 FIGURES = {"realistic": "fig24", "uniform": "fig25"}
 
 _frame = partial(series_frame, x_unit="percent", y_unit="1")
@@ -74,12 +69,9 @@ class DesignedCase:
 class FitSampling:
     """How restitution is sampled to find the capture velocity by a fit of Eq. (34).
 
-    Speeds are multiples of the run's capture velocity, one drawn at random in each of so many equal
-    steps of the logarithm.
+    Speeds lie within `FITTED`, one drawn at random in each of so many equal steps of the logarithm.
     """
 
-    fitted_from: AboveOne
-    fitted_to: Annotated[AboveOne, Must("above", "fitted_from")]
     points: Annotated[int, Field(ge=8)]
     replicates: Annotated[int, Field(ge=2)]
 
@@ -236,8 +228,8 @@ def _fitted(
     shape = sampling.replicates, sampling.points
     draws = [np.random.Generator(np.random.PCG64(seed)).random(shape) for seed in seeds]
     steps = np.arange(sampling.points) + np.stack(draws)
-    span = np.log(sampling.fitted_to / sampling.fitted_from)
-    speed = limits[:, None, None] * sampling.fitted_from * np.exp(span * steps / sampling.points)
+    span = np.log(FITTED[1] / FITTED[0])
+    speed = limits[:, None, None] * FITTED[0] * np.exp(span * steps / sampling.points)
     e = normal_impact(contact, speed).coefficient_of_restitution
     sets = data_sets(speed.reshape(-1, sampling.points), e.reshape(-1, sampling.points), 1.0)
     return fit_batch(sets).v_c.reshape(len(seeds), -1).T

@@ -129,10 +129,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     apart = {name: _stream(one, ABLATION) for name, one in drawn.items()}
     return {
         "fig23": figure_data(
-            means,
-            base,
-            points=params.points,
-            events_measured=params.events_measured,
+            means, base, points=params.points, events_measured=params.events_measured
         ),
         "monte_carlo": means,
         "monte_carlo_sampling": sampling_table(first, params.comparison),

@@ -6,33 +6,29 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from typing import Annotated
 
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.statistics.distributions import Constant, Normal
-from study.declared.parameters import AngleDegrees, Count, Must, NonNegative, Positive
-from study.studies.analyses.monte_carlo.ensembles import (
-    Ensemble,
-    Plan,
-    estimate,
-    replicate_shares,
-)
+from microimpact.statistics.intervals import ERROR_BAR
+from study.declared.parameters import AngleDegrees, Count, NonNegative, Positive
+from study.studies.analyses.monte_carlo.ensembles import Ensemble, Plan, estimate, replicate_shares
 from study.tables import Row
 
 # Standard deviation of a quantity that may lie anywhere within one half-width.
 RECTANGULAR = np.sqrt(3.0)
-# Slopes at which a solution is sought, and relative step of a derivative.
+# Standard deviations between which a solution is sought, in so many steps, and relative step of a
+# derivative.
+SLOPE_SDS = (0.05, 0.6)
 GRID = 10
 STEP = 0.02
-COVERAGE = 1.96
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlopeInference:
-    """Measured restitution at an angle, how well it is known, and where slopes are sought."""
+    """Measured restitution at an angle, and how well it is known."""
 
     # What is printed.
     angle_deg: AngleDegrees
@@ -41,9 +37,6 @@ class SlopeInference:
     angle_half_width_deg: NonNegative
     restitution_half_width: NonNegative
     events_measured: Count  # Events behind one measured mean
-    # Between which the standard deviation of the slope is sought.
-    smallest_sd: Positive
-    largest_sd: Annotated[Positive, Must("above", "smallest_sd")]
     laboratory_sd: Positive  # That of the virtual laboratory, per axis
     plan: Plan  # Events drawn
 
@@ -78,14 +71,14 @@ def infer_slope(ensemble: Ensemble, settings: SlopeInference, *, two_axes: bool)
         return with_slope(replace(ensemble, process=process), sd, two_axes=two_axes)
 
     numbers = range(settings.plan.replicates)
-    shares = [replicate_shares(moved(settings.largest_sd, 0.0), 0, number) for number in numbers]
+    shares = [replicate_shares(moved(SLOPE_SDS[1], 0.0), 0, number) for number in numbers]
 
     @cache
     def measured(sd: float, angle: float = 0.0, offset: float = 0.0) -> float:
         at = settings.angle_deg + angle
         return estimate(moved(sd, offset), at, shares=shares).restitution
 
-    grid = np.geomspace(settings.smallest_sd, settings.largest_sd, GRID)
+    grid = np.geomspace(*SLOPE_SDS, GRID)
 
     def solved(angle: float, offset: float) -> float:
         return _first_crossing(lambda sd: measured(sd, angle, offset) - settings.restitution, grid)
@@ -118,10 +111,10 @@ def infer_slope(ensemble: Ensemble, settings: SlopeInference, *, two_axes: bool)
         "slope_sd": sd,
         **{name: float(value) for name, value in parts.items()},
         "u_slope_sd": total,
-        "slope_sd_low": sd - COVERAGE * total,
-        "slope_sd_high": sd + COVERAGE * total,
+        "slope_sd_low": sd - ERROR_BAR * total,
+        "slope_sd_high": sd + ERROR_BAR * total,
         "laboratory_slope_sd": laboratory,
-        "laboratory_within": abs(laboratory - sd) <= COVERAGE * total,
+        "laboratory_within": abs(laboratory - sd) <= ERROR_BAR * total,
     }
 
 

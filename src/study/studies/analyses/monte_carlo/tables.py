@@ -141,11 +141,7 @@ BAND = 2.0
 
 
 def figure_data(
-    means: pd.DataFrame,
-    base: Ensemble,
-    *,
-    points: int,
-    events_measured: int,
+    means: pd.DataFrame, base: Ensemble, *, points: int, events_measured: int
 ) -> pd.DataFrame:
     """Return the data of both panels of Fig. 23, from the table ``monte_carlo``.
 

@@ -29,11 +29,7 @@ from study.studies.analyses.doe.factors import (
     factor_values,
     flat_family,
 )
-from study.studies.analyses.sensitivity.ridge import (
-    Targets,
-    calibrated_sample,
-    material_damping,
-)
+from study.studies.analyses.sensitivity.ridge import Targets, calibrated_sample, material_damping
 from study.studies.contacts import calibrated_contact
 from study.tables import Row, Tables, series_frame
 
@@ -48,6 +44,8 @@ CALIBRATED = 9
 CALIBRATED_INPUTS = ("radius", "stiffness", "restitution", "capture_velocity", "ridge")
 # Factors that a calibration fixes, and the share of their draws that is told.
 CALIBRATED_FACTORS, CENTRAL = "ABDE", 0.9
+# Number of base samples from which the convergence is shown.
+LEAST_SAMPLES = 32
 # Indices of responses at a Saltelli sample, with their intervals.
 Find = Callable[[FloatArray], Indices]
 
@@ -64,7 +62,6 @@ class Params:
     seed: Annotated[int, Field(ge=0)]
     samples: Count
     calibrated_samples: Count
-    least_samples: Annotated[Count, Must("at most", "samples")]
     resamples: Annotated[int, Field(ge=20)]
     confidence: OpenShare
     level_quantile: Annotated[float, Field(gt=0.5, lt=1)]
@@ -75,7 +72,7 @@ class Params:
 
     def __post_init__(self) -> None:
         """Refuse numbers of samples that are no powers of two."""
-        for name in ("samples", "calibrated_samples", "least_samples"):
+        for name in ("samples", "calibrated_samples"):
             require_power_of_two(name, getattr(self, name))
 
 
@@ -113,7 +110,7 @@ def run(params: Params, inputs: Tables) -> Tables:
             parts["indices"] += index_tables(draw, inputs["doe_effects"], find)
             if variation == "realistic":
                 parts["groups"] += group_tables(draw, NAMES.index("radius"), find)
-            parts["convergence"] += convergence_tables(draw, params.least_samples, find)
+            parts["convergence"] += convergence_tables(draw, find)
         wide, key = by_variation.get_group("realistic"), (number, CALIBRATED)
         draw, sample = calibrated(params, case, contact, wide, inputs, key)
         find = finder(*key)
@@ -319,9 +316,9 @@ def index_tables(draw: Draw, effects: pd.DataFrame, find: Find) -> Iterator[pd.D
         yield pd.DataFrame(draw.label | columns)
 
 
-def convergence_tables(draw: Draw, least: int, find: Find) -> Iterator[pd.DataFrame]:
+def convergence_tables(draw: Draw, find: Find) -> Iterator[pd.DataFrame]:
     """Yield the indices of v_c from the first base samples, doubled until all are in."""
-    samples = least
+    samples = LEAST_SAMPLES
     while samples <= len(draw.response):
         start = {"case": draw.case, "variation": draw.variation, "samples": samples}
         indices = {"factor": list(LETTERS), **asdict(find(draw.kept(samples)))}

@@ -26,12 +26,7 @@ from study.declared.parameters import (
     PositiveRange,
 )
 from study.studies.claims.claim_numbers.claim import claim
-from study.studies.claims.claim_numbers.context import (
-    Context,
-    Numbers,
-    greatest,
-    without_adhesion,
-)
+from study.studies.claims.claim_numbers.context import Context, Numbers, greatest, without_adhesion
 
 ANALYSIS = 98
 # Where normal speeds of capture are looked for, relative to the one known.
@@ -50,11 +45,7 @@ def c40(context: Context) -> Numbers:
 
 
 @claim("C58")
-def c58(
-    context: Context,
-    *,
-    yield_strengths_MPa: dict[Name, Positive],
-) -> Numbers:
+def c58(context: Context, *, yield_strengths_MPa: dict[Name, Positive]) -> Numbers:
     """Loss by plastic deformation (Thornton and Ning 1998) over the loss measured, by hardness.
 
     Beside it the greatest pressure by Hertz without adhesion and damping, ``p_0 = 3 F/(2 pi a^2)``

@@ -373,10 +373,7 @@ def c99(
     members = flat_members(context, contact, flat_within)
     at_open_speed = simulate(members, open_speed_m_per_s).coefficient_of_restitution
     error = np.max(np.abs(e - context.params.steel.restitution))
-    return {
-        "largest_error": error,
-        "spread_of_members": np.ptp(at_open_speed),
-    }
+    return {"largest_error": error, "spread_of_members": np.ptp(at_open_speed)}
 
 
 def flat_members(context: Context, contact: Contact, flat_within: float) -> Contact:

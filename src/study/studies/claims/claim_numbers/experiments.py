@@ -18,6 +18,7 @@ from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.algebra import energy_loss
 from microimpact.statistics.distributions import Distribution, generator
+from microimpact.statistics.intervals import ERROR_BAR
 from study.declared.parameters import (
     CaseName,
     Count,
@@ -28,13 +29,7 @@ from study.declared.parameters import (
     PositiveRange,
 )
 from study.studies.claims.claim_numbers.claim import claim
-from study.studies.claims.claim_numbers.context import (
-    Context,
-    Estimate,
-    Numbers,
-    between,
-    of_share,
-)
+from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers, between, of_share
 from study.studies.contacts import calibrated_contact
 from study.studies.experiments.pile_up import onset
 
@@ -42,8 +37,6 @@ from study.studies.experiments.pile_up import onset
 LOWER_END = 0.025
 # An interval that is said to hold the mean so often does, if it does so within the tolerance.
 LEVEL, LEVEL_TOLERANCE = 0.95, 0.015
-# Half-width of a 95 % interval over its standard error.
-ERROR_BAR = 1.96
 # Points of curves: over speeds, over both numbers of an impact, and over the falls of two classes.
 POINTS, GRID, FALL = 61, 41, 40
 # Curves begin so much above the capture velocity, relatively.
@@ -393,10 +386,7 @@ def c66(
 
 
 def piles(
-    context: Context,
-    share: float,
-    velocities: tuple[float, float],
-    meant: tuple[float, float],
+    context: Context, share: float, velocities: tuple[float, float], meant: tuple[float, float]
 ) -> Numbers:
     """Return both onsets, and their largest and least difference over all targets and scatters."""
     table = context.table("pile_up")

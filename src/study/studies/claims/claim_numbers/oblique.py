@@ -38,6 +38,7 @@ from study.studies.claims.claim_numbers.context import (
 )
 from study.studies.claims.claim_numbers.params import AngleRange, Angles, SteepToShallow
 from study.studies.experiments.mechanisms.impulse_regions import regions
+from study.studies.experiments.mechanisms.speed_and_angle import REGION_ANGLES, departures
 from study.studies.experiments.mechanisms.spin import rolling_limit
 from study.studies.samples import Dropped, Sample, half_width, in_class
 
@@ -54,13 +55,8 @@ WIDEST_SPREAD = 10.0
 ANALYSIS, SPREAD = 109, 0
 # Points of curves over angles and facets, and spins tried from back spin to rolling.
 POINTS, TRIED_SPINS = 61, 41
-# Angles over which regions of the impulse ratio are sought, denser than the article's; how far a
-# constant region may stray, and the least width of a transition that is seen.
-REGION_ANGLES = (
-    *(87.0, 84.0, 81.0, 78.0, 75.0, 72.0, 69.0, 66.0, 63.0, 60.0, 57.0, 55.0, 53.0, 51.0, 49.0),
-    *(47.0, 45.0, 42.0, 39.0, 36.0, 33.0, 30.0, 27.0, 24.0, 21.0, 18.0, 16.0, 14.0, 12.0, 11.0),
-    *(10.0, 9.0, 8.0),
-)
+# How far a constant region of the impulse ratio may stray, and the least width of a transition that
+# is seen, degrees.
 CONSTANT_WITHIN, LEAST_TRANSITION = 0.1, 5.0
 # Pairs of surfaces in the table of the mechanisms.
 SLOPES_ALONE, HALF_ADHESION, MIRROR = "silicon", "silicon, half the adhesion", "mirror"
@@ -247,7 +243,7 @@ def c67(context: Context, *, dropped: Dropped, spin_sd: NonNegative) -> Numbers:
 
 def found_regions(context: Context, dropped: Dropped) -> Numbers:
     """Return the kinds of regions between change points, and the width of the transition."""
-    angle = np.array(REGION_ANGLES)
+    angle = REGION_ANGLES
     means = [context.mean("impulse_ratio", dropped, a, context.series) for a in angle.tolist()]
     mean, error = np.array(means, dtype=float).T
     known = np.isfinite(mean)
@@ -520,14 +516,8 @@ def c79(
 
     def departure(speed_class: SpeedClass, spin: float) -> float:
         at = replace(dropped, spin=replace(dropped.spin, mean=spin), **asdict(speed_class))
-        steep, *losses = (context.seen(at, angle).means["energy_loss"] for angle in angles_deg)
-        sampling = context.params.sampling
-        departed = (
-            angle
-            for angle, loss in zip(angles_deg[1:], losses, strict=True)
-            if abs(loss.value - steep.value) > half_width(loss, steep, sampling)
-        )
-        return next(departed, angles_deg[-1])
+        losses = [context.seen(at, angle).means["energy_loss"] for angle in angles_deg]
+        return next(departures(angles_deg, losses, context.params.sampling), angles_deg[-1])
 
     alternatives = {"without spin": (0.0,), "with some spin": (0.0, *mean_spins)}
     return {

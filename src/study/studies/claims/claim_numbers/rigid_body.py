@@ -18,12 +18,7 @@ from microimpact.model.rigid_body.algebra import (
 )
 from study.declared.parameters import AngleDegrees, Finite, Fraction, Positive
 from study.studies.claims.claim_numbers.claim import claim
-from study.studies.claims.claim_numbers.context import (
-    Context,
-    Numbers,
-    greatest,
-    without_adhesion,
-)
+from study.studies.claims.claim_numbers.context import Context, Numbers, greatest, without_adhesion
 from study.studies.claims.claim_numbers.experiments import rebounding_speeds
 
 # Entries of the energy ledger that are lost.
@@ -232,10 +227,7 @@ def c101(context: Context, *, speeds_m_per_s: tuple[Positive, ...]) -> Numbers:
     e = simulate(steel, speed).coefficient_of_restitution
     work = losses(steel, speed).adhesion / steel.mass
     ratio = np.asarray(adhesion_work(speed, body, 1.0 - e / body) / work)
-    return {
-        "least_ratio_of_works": ratio.min(axis=0),
-        "greatest_ratio_of_works": ratio.max(axis=0),
-    }
+    return {"least_ratio_of_works": ratio.min(axis=0), "greatest_ratio_of_works": ratio.max(axis=0)}
 
 
 @claim("C102", by_contact=True)

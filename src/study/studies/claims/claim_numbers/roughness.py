@@ -13,13 +13,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.model.rigid_body.roughness import measured_impulse_ratio, measured_restitution
 from microimpact.statistics.distributions import Constant, mean
-from study.declared.parameters import (
-    AngleDegrees,
-    CaseName,
-    Finite,
-    Fraction,
-    NonNegative,
-)
+from study.declared.parameters import AngleDegrees, CaseName, Finite, Fraction, NonNegative
 from study.studies.analyses.roughness_expansions import EQUATIONS, FORMS, SlopedImpacts
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import Context, Numbers
@@ -50,9 +44,7 @@ def c44(context: Context) -> Numbers:
     """Eqs. (35), (36) against velocities turned to the slope, rebounded there and turned back."""
     friction = context.params.steel.friction
     angle, slope, e = np.meshgrid(
-        np.radians(context.params.steel.angles_deg),
-        np.radians(SLOPES_DEG),
-        RESTITUTIONS,
+        np.radians(context.params.steel.angles_deg), np.radians(SLOPES_DEG), RESTITUTIONS
     )
     facing = angle + slope > 0.0
     angle, slope, e = angle[facing], slope[facing], e[facing]
@@ -154,10 +146,7 @@ def on_slope(
     steel = context.params.steel
     impact: dict[str, Any] = {"e": steel.restitution, "spin_ratio": steel.spin_ratio} | changes
     return SlopedImpacts(
-        angle=np.radians(angle_deg),
-        slope=np.radians(slope_deg),
-        friction=steel.friction,
-        **impact,
+        angle=np.radians(angle_deg), slope=np.radians(slope_deg), friction=steel.friction, **impact
     )
 
 
@@ -201,11 +190,7 @@ def c60(context: Context, *, dropped: Dropped) -> Numbers:
 
 @claim("C94")
 def c94(
-    context: Context,
-    *,
-    dropped: Dropped,
-    alike_angles_deg: Angles,
-    differ_angle_deg: AngleDegrees,
+    context: Context, *, dropped: Dropped, alike_angles_deg: Angles, differ_angle_deg: AngleDegrees
 ) -> Numbers:
     """Differences of relative e_m, Formica with slopes less the same without."""
     alike = [abs(departure(context, dropped, angle)) for angle in alike_angles_deg]

@@ -9,6 +9,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray
+from microimpact.statistics.intervals import ERROR_BAR
 from study.declared.parameters import AngleDegrees, Name
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers
@@ -16,8 +17,6 @@ from study.studies.claims.claim_numbers.params import AngleRange, SteepToShallow
 from study.studies.experiments.mechanisms.spore import as_imaged
 from study.studies.samples import Dropped, Sample, Sampling
 
-# Half-width of a 95 % interval over its standard error.
-ERROR_BAR = 1.96
 # Events of the sample that the camera sees, and particles after which it is taken as it is.
 SEEN_EVENTS, MOST_DROPPED = 100, 12000
 

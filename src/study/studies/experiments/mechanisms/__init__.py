@@ -11,11 +11,10 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.nearest import nearest
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.statistics.intervals import student_half_width
-from study.declared.parameters import AngleDegrees, CaseName, Count, Name
+from study.declared.parameters import CaseName, Count
 from study.studies.contacts import pair_of, printed_beside
 from study.studies.experiments.mechanisms.shallow import (
     Curve,
@@ -27,12 +26,16 @@ from study.studies.experiments.mechanisms.shallow import (
 from study.studies.experiments.mechanisms.slope import Slope, slope_tables
 from study.studies.experiments.mechanisms.speed_and_angle import SpeedAndAngle, speed_tables
 from study.studies.experiments.mechanisms.spin import Spin, spin_tables
-from study.studies.experiments.mechanisms.spore import CAMERA, Spore, causes, spore_tables
+from study.studies.experiments.mechanisms.spore import CAMERA, Spore, spore_tables
 from study.studies.samples import Sampling
 from study.tables import Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",)}
 PRINTED_VALUES = ("restitution_lycopodium_silicon_48deg", "restitution_lycopodium_silicon_38deg")
+
+# What is drawn of what is tried: angles, and causes of the restitution of spores.
+DRAWN_DEG = (85.0, 45.0, 20.0, 15.0)
+DRAWN_MECHANISMS = ("none", "slopes", "slopes of 0.06", "off centre, 0.2", CAMERA)
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
 
@@ -52,18 +55,6 @@ class Params:
     shallow: Shallow
     speed: SpeedAndAngle
     drawn_case: CaseName
-    drawn_angles_deg: tuple[AngleDegrees, ...]
-    drawn_mechanisms: tuple[Name, ...]
-
-    def __post_init__(self) -> None:
-        """Refuse mechanisms that are not tried."""
-        known = [*causes(self.spore), CAMERA]
-        for name in self.drawn_mechanisms:
-            if name not in known:
-                raise ValueError(
-                    f"drawn_mechanisms: {name!r} must be one of {'; '.join(known)}"
-                    f"{nearest(name, known)}"
-                )
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -105,9 +96,9 @@ def figure_data(
     case = params.drawn_case
     spin = tables["spin_mechanism"].query("case == @case")
     slope = tables["slope_mechanism"].query("case == @case")
-    slope = slope[slope["angle_deg"].isin(params.drawn_angles_deg)]
+    slope = slope[slope["angle_deg"].isin(DRAWN_DEG)]
     spore = tables["spore_mechanism"]
-    spore = spore[spore["mechanism"].isin(params.drawn_mechanisms)]
+    spore = spore[spore["mechanism"].isin(DRAWN_MECHANISMS)]
     frames = {
         "causes": [*_spin_frames(spin), *_spore_frames(params, spore, printed)],
         "causes_slope": _slope_frames(slope),

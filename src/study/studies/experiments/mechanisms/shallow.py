@@ -10,18 +10,15 @@ import numpy as np
 
 from microimpact.core.arrays import FloatArray
 from microimpact.model.calibration import hertz_damping_for
-from study.declared.parameters import (
-    AngleDegrees,
-    CaseName,
-    Count,
-    Fraction,
-    NonNegative,
-    Positive,
-)
+from study.declared.parameters import AngleDegrees, CaseName, Count, Fraction, NonNegative, Positive
 from study.studies.samples import Dropped, Sample, Sampling
 from study.tables import Tables
 
 FEWEST_MEANS = 2
+# Where more are captured, the few that rebound are no fair sample.
+MOST_CAPTURED = 0.5
+# Angles that count as sliding at both speeds, also with slopes, degrees.
+SHALLOWEST_DEG, STEEPEST_DEG = 4.0, 40.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,8 +35,6 @@ class Shallow:
     restitution: Fraction  # At normal incidence
     # Number of normal speeds from the slowest that rebounds to where sliding ends.
     normal_speeds: Count
-    steepest_deg: AngleDegrees  # Steepest angle that counts as sliding, at both speeds
-    most_captured: Fraction  # Largest share captured in a mean that counts
     # Angles between which the change at the slower speed is taken.
     trend_deg: tuple[AngleDegrees, AngleDegrees]
 
@@ -73,7 +68,7 @@ def shallow_curves(
 def _both(params: Shallow, sample: Sample) -> tuple[Curve, Curve]:
     """Curves at the slower and the faster speed, at the same normal speeds where both slide."""
     slow, fast = params.speeds_m_per_s
-    shallowest, steepest = np.radians(np.array([4.0, params.steepest_deg]))
+    shallowest, steepest = np.radians(np.array([SHALLOWEST_DEG, STEEPEST_DEG]))
     top, number = slow * np.sin(steepest), params.normal_speeds
     below = np.linspace(fast * np.sin(shallowest), top, number)
     normal = np.union1d(below, np.linspace(top, fast * np.sin(steepest), number))
@@ -89,12 +84,12 @@ def _curve(params: Shallow, sample: Sample, speed: float, normal_speed: FloatArr
     )
     angle = np.degrees(np.arcsin(np.minimum(normal_speed / speed, 1.0)))
     samples = [speed_class.seen(float(a)) for a in angle]
-    free = [one.captured_share <= params.most_captured for one in samples]
+    free = [one.captured_share <= MOST_CAPTURED for one in samples]
     ratio = np.where(free, [one.means["impulse_ratio"].value for one in samples], np.nan)
     if np.sum(np.isfinite(ratio)) < FEWEST_MEANS:
         raise ValueError(
             f"shallow.speeds_m_per_s: at {speed:g} m/s nearly all spheres are captured below "
-            f"{params.steepest_deg:g} deg; there is nothing to compare"
+            f"{STEEPEST_DEG:g} deg; there is nothing to compare"
         )
     return Curve(angle=angle, normal_speed=normal_speed, ratio=ratio)
 

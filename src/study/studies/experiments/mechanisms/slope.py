@@ -9,13 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from study.declared.parameters import (
-    AngleDegrees,
-    CaseName,
-    Name,
-    NonNegative,
-    Positive,
-)
+from study.declared.parameters import AngleDegrees, CaseName, Name, NonNegative, Positive
 from study.studies.samples import (
     Dropped,
     Sample,

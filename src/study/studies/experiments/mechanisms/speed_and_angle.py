@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import product
 from typing import Any
@@ -11,16 +11,15 @@ import numpy as np
 import pandas as pd
 
 from microimpact.lab.experiment import SpeedClass
-from microimpact.lab.reduction import EXACT
+from microimpact.lab.reduction import EXACT, Mean
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import energy_loss, rigid_body_rebound
+from microimpact.statistics.intervals import ERROR_BAR
 from study.declared.parameters import AngleDegrees, CaseName, Fraction, Name, NonNegative
 from study.studies.experiments.mechanisms.impulse_regions import regions
 from study.studies.samples import Dropped, Sample, Sampling, half_width
 from study.tables import Tables
 
-# Half-width of a 95 % interval over its standard error.
-ERROR_BAR = 1.96
 # Angles at which the slope of the rigid body's energy loss is looked at.
 LOSS_ANGLES = 23
 # Angles at which regions of the impulse ratio are looked for, denser than the article's 14.
@@ -77,11 +76,7 @@ def class_row(params: SpeedAndAngle, sample: Sample, speed_class: SpeedClass) ->
     sphere = simulate(sample.contact, speed_class.speed_m_per_s, np.array([steep, shallow]))
     e = sphere.coefficient_of_restitution
     losses = [class_sample.seen(angle).means["energy_loss"] for angle in params.angles_deg]
-    departed = (
-        angle
-        for angle, loss in zip(params.angles_deg[1:], losses[1:], strict=True)
-        if abs(loss.value - losses[0].value) > half_width(loss, losses[0], sample.sampling)
-    )
+    departed = departures(params.angles_deg, losses, sample.sampling)
     return {
         "case": class_sample.dropped.case,
         "speed_m_per_s": speed_class.speed_m_per_s,
@@ -96,6 +91,15 @@ def class_row(params: SpeedAndAngle, sample: Sample, speed_class: SpeedClass) ->
         "first_departure_of_loss_deg": next(departed, np.nan),
         "evidence": "virtual experiment",
     }
+
+
+def departures(
+    angles: Sequence[float], losses: Sequence[Mean], sampling: Sampling
+) -> Iterator[float]:
+    """Yield the angles at which a loss differs from the first by more than its half-width."""
+    for angle, loss in zip(angles[1:], losses[1:], strict=True):
+        if abs(loss.value - losses[0].value) > half_width(loss, losses[0], sampling):
+            yield angle
 
 
 def region_rows(params: SpeedAndAngle, sample: Sample) -> list[dict[str, Any]]:

@@ -20,14 +20,7 @@ from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.eccentric import eccentric_rebound
 from microimpact.statistics.distributions import generator
-from study.declared.parameters import (
-    AngleDegrees,
-    CaseName,
-    Count,
-    Fraction,
-    NonNegative,
-    Positive,
-)
+from study.declared.parameters import AngleDegrees, CaseName, Count, Fraction, NonNegative, Positive
 from study.studies.samples import (
     Dropped,
     Sample,
