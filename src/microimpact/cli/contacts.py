@@ -15,6 +15,7 @@ from microimpact.cli.output import Sweep, number, print_json, print_table, warn
 from microimpact.core.arrays import POSITIVE, checked
 from microimpact.core.materials import Material, declared_file, read_materials
 from microimpact.core.nearest import nearest
+from microimpact.core.plausible import implausible
 from microimpact.model.choices import (
     CALIBRATED,
     FORMATS,
@@ -297,7 +298,7 @@ def simulate_command(
     limit = None
     if yield_strength_mpa is not None:
         limit = 1e6 * float(checked("yield-strength-mpa", yield_strength_mpa, POSITIVE))
-    warn(chosen.doubts())
+    warn((*chosen.doubts(), *implausible({"angle": np.max(angle)})))
     for contact, outcome in zip(chosen.contacts.values(), outcomes, strict=True):
         warn(doubts(contact, outcome.maximum_compression, limit))
     after = {

@@ -471,10 +471,13 @@ def test_a_sweep_is_a_table(microimpact, answered):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--diameter-um", "62e-6"), "below 1 nm"),
-        (("--diameter-um", "1e6"), "above 5 mm"),
-        (("--particle-youngs-modulus-gpa", "193e-9"), "is not from 1 MPa to 2000 GPa"),
-        (("--surface-density", "8"), "is not from 10 to 30000 kg/m3"),
+        (("--diameter-um", "62e-6"), "diameter = 6.2e-11 m is not from 1e-09 to 0.005 m: in um?"),
+        (("--diameter-um", "1e6"), "diameter = 1 m is not from"),
+        (("--particle-youngs-modulus-gpa", "193e-9"), "particle: youngs_modulus = 193 Pa is not"),
+        (("--surface-density", "8"), "surface: density = 8 kg/m3 is not from 10 to 30000 kg/m3"),
+        (("--work-of-adhesion", "250"), "work_of_adhesion = 250 J/m2 is not from"),
+        (("--friction", "20"), "friction = 20 is not from 0 to 3: in %?"),
+        (("--angle", "0.785"), "angle = 0.785 degrees is not from"),
         (("--hertz-damping", "30"), "overdamped"),
         (("--speed", "1000"), "most materials yield"),
         (("--yield-strength-mpa", "205"), "above 3.28e+08 Pa, 1.6 times the yield strength"),

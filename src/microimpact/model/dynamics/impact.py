@@ -31,6 +31,8 @@ from microimpact.core.arrays import (
     choice,
     common_shape,
 )
+from microimpact.core.plausible import warn_caller
+from microimpact.core.readable import Readable
 from microimpact.model import passes
 from microimpact.model.choices import FRICTION_BASES, TANGENTIAL_LAWS
 from microimpact.model.contact import Contact, require_contact
@@ -64,8 +66,8 @@ PLANAR = {
 NormalLaw = Callable[[Contact, Real], NormalImpact]
 
 
-@dataclass(frozen=True, slots=True)
-class Impact:
+@dataclass(frozen=True, slots=True, repr=False)
+class Impact(Readable):
     """Outcome of planar impacts; every field has the broadcast shape of the arguments.
 
     Attributes
@@ -108,8 +110,8 @@ class Impact:
     partner_spin: FloatArray | float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class SpatialImpact:
+@dataclass(frozen=True, slots=True, repr=False)
+class SpatialImpact(Readable):
     """Outcome of impacts in three dimensions, surface normal along z.
 
     As `Impact`, with ``velocity`` and the spins vectors (..., 3), m/s and rad/s, and
@@ -449,6 +451,10 @@ def incident(
     turning = checked("spin", spin, FINITE), checked("partner_spin", partner_spin, FINITE)
     together = arguments | dict(zip(("spin", "partner_spin"), turning, strict=True))
     shape = common_shape({"contact": contact.extent, **together})
+    incidence = arguments["angle"]
+    steepest = incidence if isinstance(incidence, float) else incidence.max(initial=0.0)
+    if 0.0 < steepest < math.pi / 2:
+        warn_caller({"angle": steepest}, depth=3)
     return arguments, Spins.of(contact, *turning), shape
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from microimpact.core.arrays import FINITE, FloatArray, Numbers, checked, choice
+from microimpact.core.readable import Readable
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
@@ -28,8 +29,8 @@ ROUNDING = 1e-14
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
-@dataclass(frozen=True, slots=True)
-class Trajectory:
+@dataclass(frozen=True, slots=True, repr=False)
+class Trajectory(Readable):
     """One impact against time; every array has the shape (points,), SI units.
 
     Attributes
