@@ -13,7 +13,7 @@ import numpy as np
 
 from microimpact.cli.contacts import contact_of, contact_options
 from microimpact.cli.output import number, print_json, print_table, warn
-from microimpact.model.choices import CALIBRATED
+from microimpact.model.choices import CALIBRATED, INTERVAL
 from microimpact.model.contact_laws import RING_FORCE
 
 if TYPE_CHECKING:
@@ -239,7 +239,7 @@ def _print_contacts(
             (f"{law}: {symbol}", *map(number, numbers.values()))
             for symbol, numbers in ranges.items()
         ]
-    print_table(title, ("", "best", "median", "5 %", "95 %"), rows)
+    print_table(title, ("", "best", "median", "95 % from", "to"), rows)
     click.echo(words, nl=False)
     if output:
         click.echo(f"Written: {output}")
@@ -310,5 +310,5 @@ def _spread(name: str, text: str | float, measured: Rebounds) -> Any:
 
 
 def _range(values: Any, best: Any) -> dict[str, float]:
-    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95], method="nearest")
+    low, middle, high = np.quantile(values, INTERVAL, method="nearest")
     return {"best": float(best), "median": middle, "low": low, "high": high}

@@ -191,6 +191,13 @@ def materials_from_rows(rows: Iterable[Row]) -> dict[str, Material]:
     return built
 
 
+class Declared(dict[str, Material]):
+    """Materials by name; a name that is not declared is an error with the nearest."""
+
+    def __missing__(self, name: str) -> Material:
+        raise KeyError(f"unknown material {name!r}{nearest(name, self)}")
+
+
 def find_material(name: str, materials: Mapping[str, Material]) -> Material:
     """Return one material by name.
 

@@ -124,7 +124,7 @@ def calibrate_laws(
     Examples
     --------
     >>> drawn = calibrate_laws(contact, v, e, sigma=0.02)
-    >>> low, high = np.quantile(drawn.of_all(capture_velocity), [0.05, 0.95])
+    >>> low, high = np.quantile(drawn.of_all(capture_velocity), [0.025, 0.975])
     """
     require_contact(contact, any_law=True, pair=True)
     if contact.damped_attachment:

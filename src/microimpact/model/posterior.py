@@ -17,6 +17,7 @@ from microimpact.core import ensemble
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Numbers, Range, checked
 from microimpact.core.nearest import nearest
 from microimpact.core.readable import Readable
+from microimpact.model.choices import INTERVAL
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.contact_laws import RING_FORCE
 from microimpact.model.dynamics.normal import normal_impact
@@ -118,9 +119,9 @@ class Calibration(Readable):
             f"effective size {self.effective_size:.0f}"
         ]
         for name in self.free:
-            low, middle, high = np.quantile(getattr(self.contact, name), [0.05, 0.5, 0.95])
+            low, middle, high = np.quantile(getattr(self.contact, name), INTERVAL)
             lines.append(
-                f"{name} {middle:.4g} [{low:.4g}, {high:.4g}] (median, 5 to 95 %), "
+                f"{name} {middle:.4g} [{low:.4g}, {high:.4g}] (median, 95 %), "
                 f"split R-hat {self.split_r_hat[name]:.3f}"
             )
         return "\n".join(lines)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from microimpact.core.arrays import FINITE, FloatArray, Numbers, checked, choice
+from microimpact.core.extras import optional
 from microimpact.core.readable import Readable
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact, require_contact
@@ -64,6 +66,23 @@ class Trajectory(Readable):
     normal_force: FloatArray
     friction_force: FloatArray
     captured: bool
+
+    def plot(self) -> Any:
+        """Draw compression and forces against time; return Matplotlib's figure.
+
+        Raises ModuleNotFoundError if Matplotlib is not installed.
+        """
+        figure, (above, below) = optional("matplotlib.pyplot").subplots(
+            2, sharex=True, layout="constrained"
+        )
+        above.plot(1e9 * self.time, 1e9 * self.compression, color="black")
+        above.set_ylabel("compression (nm)")
+        for name, line in (("normal", "-"), ("friction", "--"), ("hertz", ":"), ("adhesion", "-.")):
+            force = getattr(self, f"{name}_force")
+            below.plot(1e9 * self.time, 1e3 * force, line, color="black", label=name.title())
+        below.set(xlabel="time (ns)", ylabel="force (mN)")
+        below.legend()
+        return figure
 
 
 def trajectory(
