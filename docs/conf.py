@@ -64,13 +64,11 @@ def _formula(writer, node) -> None:
 def _notebook(app, page: str, source: list[str]) -> None:
     """Turn a notebook into Markdown, whose code is run for its pictures."""
     if app.env.doc2path(page).suffix == ".ipynb":
-        texts = (
-            text
-            if cell["cell_type"] == "markdown"
-            else CELL.format(cell["id"], indent(text, "   "))
-            for cell in json.loads(source[0])["cells"]
-            for text in ["".join(cell["source"])]
-        )
+        cells = json.loads(source[0])["cells"]
+        texts = ["".join(cell["source"]) for cell in cells]
+        for k, cell in enumerate(cells):
+            if cell["cell_type"] == "code":
+                texts[k] = CELL.format(cell["id"], indent(texts[k], "   "))
         source[0] = "\n\n".join(texts)
 
 

@@ -40,8 +40,9 @@ class Block:
 def blocks_of(page: str, text: str) -> list[Block]:
     """Return the blocks of a page in their order.
 
-    Directives show examples, which ``test_examples`` runs. Without a marker, ``python`` and ``sh`` are run, and ``text`` right after ``sh`` is what the
-    command prints. Anything else is refused, so that no block goes untested.
+    Directives show examples, which ``test_examples`` runs. Without a marker, ``python`` and ``sh``
+    are run, and ``text`` right after ``sh`` is what the command prints. Anything else is refused,
+    so that no block goes untested.
     """
     found: list[Block] = []
     end = 0

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -135,8 +135,7 @@ class SpatialImpact(Readable):
 AnyImpact = TypeVar("AnyImpact", Impact, SpatialImpact)
 
 
-@dataclass(frozen=True, slots=True)
-class Spins:
+class Spins(NamedTuple):
     """Spins of a sphere and its partner, rad/s: numbers, or vectors along the last axis."""
 
     sphere: Real
@@ -235,17 +234,18 @@ def supporting_impulses(
 
     Arguments as of `friction_impulse`.
     """
+    mass: Any = contact.scales[0]
     if basis == "net":
         sliding = (1.0 + normal.coefficient_of_restitution) * speed
-        return sliding, normal.peak_net_impulse / contact.mass
+        return sliding, normal.peak_net_impulse / mass
     if basis == PULL_OFF:
         time = np.where(normal.captured, 0.0, normal.contact_time)
-        adhesion = 2.0 * contact.pull_off_force * time / contact.mass
+        adhesion = 2.0 * contact.pull_off_force * time / mass
         impulse = (1.0 + normal.coefficient_of_restitution) * speed + adhesion
     else:
         total = normal.hertz_impulse if basis == "hertz" else normal.compressive_impulse
         assert total is not None
-        impulse = total / contact.mass
+        impulse = total / mass
     return impulse, impulse
 
 
@@ -362,7 +362,7 @@ def _in_blocks(
 def _at(values: Any, shape: tuple[int, ...], index: Any) -> Any:
     """Return part of values, or of the spins of several impacts, that broadcast to a shape."""
     if isinstance(values, Spins):
-        return Spins(*(_at(getattr(values, f.name), shape, index) for f in fields(Spins)))
+        return Spins(*(_at(each, shape, index) for each in values))
     return np.broadcast_to(values, shape)[index] if np.ndim(values) else values
 
 
@@ -447,15 +447,20 @@ def incident(
     """
     require_contact(contact, any_law=tangential == "rigid", pair=True)
     chosen_basis(contact, friction_basis, tangential)
-    arguments = {"speed": checked("speed", speed, SPEED), "angle": checked("angle", angle, ANGLE)}
-    turning = checked("spin", spin, FINITE), checked("partner_spin", partner_spin, FINITE)
-    together = arguments | dict(zip(("spin", "partner_spin"), turning, strict=True))
-    shape = common_shape({"contact": contact.extent, **together})
+    arguments = {
+        "speed": checked("speed", speed, SPEED),
+        "angle": checked("angle", angle, ANGLE),
+        "spin": checked("spin", spin, FINITE),
+        "partner_spin": checked("partner_spin", partner_spin, FINITE),
+        "contact": contact.extent,
+    }
+    shape = common_shape(arguments)
     incidence = arguments["angle"]
     steepest = incidence if isinstance(incidence, float) else incidence.max(initial=0.0)
     if 0.0 < steepest < math.pi / 2:
         warn_caller({"angle": steepest}, depth=3)
-    return arguments, Spins.of(contact, *turning), shape
+    spins = Spins.of(contact, arguments["spin"], arguments["partner_spin"])
+    return {"speed": arguments["speed"], "angle": incidence}, spins, shape
 
 
 def chosen_basis(contact: Contact, friction_basis: object, tangential: object = "rigid") -> str:
