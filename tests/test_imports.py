@@ -235,7 +235,8 @@ def test_the_physics_needs_none_of_the_studys_packages(tmp_path):
         "from microimpact.cli import main\n"
         f"for sys.argv[1:] in {commands!r}:\n    main()\n"
         f"for sys.argv[1:] in {lacking!r}:\n"
-        "    try:\n        main()\n    except SystemExit as end:\n        print('ended', end.code)\n"
+        "    try:\n        main()\n    except SystemExit as end:\n"
+        "        print('ended', end.code)\n"
     )
     done = execute(sys.executable, "-c", code)
     assert done.stdout.rstrip().endswith("ended 2\nended 2")

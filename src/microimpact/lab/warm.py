@@ -28,7 +28,7 @@ from microimpact.model.empirical.data import data_sets
 from microimpact.model.empirical.search import fit_batch
 from microimpact.model.law.table import tabulate
 
-GLASS: Any = {role: materials["glass"] for role in ("particle", "surface")} | {"diameter": 5e-5}
+GLASS: Any = dict.fromkeys(("particle", "surface"), materials["glass"]) | {"diameter": 5e-5}
 CONTACT = Contact(**GLASS, work_of_adhesion=0.1, hertz_damping=0.01, adhesion_damping=1.0)
 
 
