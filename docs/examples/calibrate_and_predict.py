@@ -14,14 +14,15 @@ bodies = Contact(
 )
 v = [0.2, 0.25, 0.3, 0.5, 0.8, 1.2, 1.7]
 e = [0.19, 0.36, 0.44, 0.61, 0.69, 0.72, 0.70]
-drawn = calibrate_laws(bodies, v, e, sigma=0.02, draws=100)
+drawn = calibrate_laws(bodies, v, e, sigma=0.05, draws=100)
 print(drawn)
 
 figure, axes = plt.subplots(layout="constrained")
-diameter = np.geomspace(10e-6, 100e-6, 15)
+diameter = np.geomspace(20e-6, 200e-6, 15)
 for law, contact in drawn.contacts.items():
-    limits = [np.quantile(capture_velocity(resized(contact, d)), (0.025, 0.975)) for d in diameter]
-    axes.fill_between(1e6 * diameter, *np.transpose(limits), alpha=0.5, label=law)
+    limits = [capture_velocity(resized(contact, d)) for d in diameter]
+    low, high = np.quantile(limits, [0.025, 0.975], axis=1, method="nearest")
+    axes.fill_between(1e6 * diameter, low, high, alpha=0.5, label=law)
 axes.set(xlabel="diameter (um)", ylabel="capture velocity, 95 % (m/s)", xscale="log", yscale="log")
 axes.legend()
 plt.show()

@@ -501,7 +501,8 @@ def test_calibrated_contacts_go_from_command_to_command(microimpact, answered, t
     assert re.search(r"extrapolated to 20 um, .* by ring force", at_other_size.stderr)
     capture = answered("capture", "--contact", str(file))
     assert len(capture["outputs"]["capture_velocity"]) == 50
-    assert "median  95 %" in microimpact("simulate", "--contact", str(file), "--speed", "1").stdout
+    one = microimpact("simulate", "--contact", str(file), "--speed", "1").stdout
+    assert re.search("median +95 % +unit", one)
     folder = tmp_path / "law"
     assert "best of 50" in microimpact("export", "--contact", str(file), "-o", str(folder)).stdout
 
