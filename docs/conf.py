@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import tempfile
+from contextlib import chdir, redirect_stdout
 from importlib.metadata import version as version_of
+from io import StringIO
 from textwrap import indent
 
 from docutils.nodes import SkipNode
@@ -62,13 +64,18 @@ def _formula(writer, node) -> None:
 
 
 def _notebook(app, page: str, source: list[str]) -> None:
-    """Turn a notebook into Markdown, whose code is run for its pictures."""
+    """Turn a notebook into Markdown with what its code prints; plots are drawn from that."""
     if app.env.doc2path(page).suffix == ".ipynb":
         cells = json.loads(source[0])["cells"]
         texts = ["".join(cell["source"]) for cell in cells]
+        names: dict[str, object] = {}
         for k, cell in enumerate(cells):
             if cell["cell_type"] == "code":
+                with chdir(plot_working_directory), redirect_stdout(StringIO()) as printed:
+                    exec(texts[k], names)
                 texts[k] = CELL.format(cell["id"], indent(texts[k], "   "))
+                if printed.getvalue():
+                    texts[k] += f"\n\n```text\n{printed.getvalue()}```"
         source[0] = "\n\n".join(texts)
 
 

@@ -51,7 +51,7 @@ def test_arrays_print_their_ends():
     ],
 )
 def test_a_slip_of_the_unit_warns_once(build, words):
-    with pytest.warns(UserWarning) as caught:
+    with pytest.warns(UserWarning, match=r"is not from") as caught:
         build()
     (warning,) = caught
     assert words in str(warning.message)
