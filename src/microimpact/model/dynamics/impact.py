@@ -448,11 +448,11 @@ def incident(
     require_contact(contact, any_law=tangential == "rigid", pair=True)
     chosen_basis(contact, friction_basis, tangential)
     arguments = {
+        "contact": contact.extent,
         "speed": checked("speed", speed, SPEED),
         "angle": checked("angle", angle, ANGLE),
         "spin": checked("spin", spin, FINITE),
         "partner_spin": checked("partner_spin", partner_spin, FINITE),
-        "contact": contact.extent,
     }
     shape = common_shape(arguments)
     incidence = arguments["angle"]
@@ -551,7 +551,7 @@ def spatial(
     length = np.hypot(slip[..., 0], slip[..., 1])
     size, rolling = friction_impulse(contact, normal, length, basis, speed, tangential)
     direction = slip / np.where(length > 0.0, length, 1.0)[..., None]
-    change = direction * size[..., None]
+    change = direction * np.asarray(size)[..., None]
     e = normal.coefficient_of_restitution
     after_v = np.stack([v[..., 0] - change[..., 0], v[..., 1] - change[..., 1], e * speed], axis=-1)
     turn = np.stack([-change[..., 1], change[..., 0], np.zeros(shape)], axis=-1)
