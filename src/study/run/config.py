@@ -19,8 +19,9 @@ from pydantic import Field, ValidationError
 
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
+from microimpact.core.plausible import implausible
 from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
-from microimpact.model.plausibility import LARGEST, SMALLEST, doubt_of_input, doubts_of_material
+from microimpact.model.plausibility import doubt_of_input
 from microimpact.statistics.distributions import SampleFile, TruncatedNormal
 from study import studies
 from study.declared.documents import ConfigError, load, located
@@ -363,7 +364,7 @@ def read_inputs(settings: Settings, changed: Mapping[str, object] = AS_SHIPPED) 
     wrong = [
         f"{general.materials}: {name}: {line}"
         for name, material in materials.items()
-        for line in doubts_of_material(material)
+        for line in implausible(material)
     ]
     wrong += [
         f"{general.contacts}: {line}"
@@ -412,9 +413,6 @@ def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]
 
 def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:
     try:
-        contact = pair_contact(*pair, materials, pairs)
-        if not SMALLEST <= contact.diameter <= LARGEST:
-            allowed = f"from {SMALLEST:g} to {LARGEST:g} m"
-            raise ValueError(f"diameter {contact.diameter:.3g} m must be {allowed}")
+        yield from implausible(pair_contact(*pair, materials, pairs), f"{pair[0]} on {pair[1]}: ")
     except ValueError as error:
         yield f"{pair[0]} on {pair[1]}: {error}"
