@@ -6,7 +6,6 @@ exact contrasts, and Lenth's margins screen for sparsity; they are no tests.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -34,10 +33,7 @@ def fractional_factorial(generator: str) -> FloatArray:
         products of letters, with a minus sign for the negative fraction; see `defining_relation`.
     """
     # Imported here: the library brings much along that only a design needs.
-    if sys.version_info >= (3, 12):
-        from pydoe import fracfact
-    else:
-        from pyDOE2 import fracfact
+    from pydoe import fracfact
 
     design: Any = np.asarray(fracfact(generator), dtype=np.float64)
     free = [column for column, word in enumerate(generator.split()) if len(word) == 1]
