@@ -61,6 +61,8 @@ def run_study(
     """
     if name not in studies.homes():
         raise ValueError(f"{name!r} is no study{nearest(str(name), studies.homes())}")
+    if not isinstance(tables, Mapping | None):
+        raise ValueError(f"tables: {tables!r} must be tables by name; parameters are keywords")
     for table, frame in (tables or {}).items():
         if not hasattr(frame, "columns"):
             raise ValueError(f"{table}: must be a table of a study; parameters are keywords")

@@ -6,11 +6,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.dispenser import Dispenser
@@ -27,6 +26,7 @@ from study.declared.parameters import (
     ExperimentSeed,
     Fraction,
     Name,
+    Points,
     Positive,
 )
 from study.studies.contacts import calibrated_contact, pair_of, printed_beside
@@ -65,7 +65,7 @@ class Params:
     stop: StopRule
     dispenser: Dispenser
     instrument: Analyser
-    points: Annotated[int, Field(ge=10)]
+    points: Points
     plateau_share: Fraction
 
 

@@ -29,9 +29,10 @@ from microimpact.model.closed_forms import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from study.declared.parameters import AboveOne, CaseName, Must, Positive
+from study.declared.parameters import CaseName, Must, Points, Positive
 from study.studies.contacts import (
     CAPTURE_VELOCITIES,
+    PlateauRatio,
     calibrated_contact,
     fitted_to,
     printed_capture_velocity,
@@ -81,8 +82,8 @@ class Params:
     pairs: Annotated[dict[CaseName, PairCase], Field(min_length=1)]
     smallest_diameter_um: Positive
     largest_diameter_um: Annotated[Positive, Must("above", "smallest_diameter_um")]
-    points: Annotated[int, Field(ge=5)]
-    plateau_speed_ratio: AboveOne
+    points: Points
+    plateau_speed_ratio: PlateauRatio
 
 
 class Law(NamedTuple):
