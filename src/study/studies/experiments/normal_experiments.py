@@ -101,8 +101,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     printed = pd.concat([printed_beside(inputs, *pair, diameter_um=size) for size in sizes])
     series = sieves_drawn(params, params.case, curves)
     spheres = spheres_drawn(params, contacts[params.case], next(iter(curves.values())).speed)
-    other = sieves_drawn(params, params.other_case, curves, ", other end")
-    drawn = {**series, **(other if params.other_case != params.case else {}), **spheres}
+    second = sieves_drawn(params, params.other_case, curves, ", other end")
+    drawn = {**series, **(second if params.other_case != params.case else {}), **spheres}
     return {
         "fig04": figure_data(params, "restitution", table, drawn, printed),
         "fig05": figure_data(params, "energy_loss", table, series, printed, lambda e: 1.0 - e**2),
