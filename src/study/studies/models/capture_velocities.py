@@ -37,7 +37,7 @@ from study.studies.contacts import (
     fitted_to,
     printed_capture_velocity,
 )
-from study.tables import Row, Tables, result_evidence, series_frame
+from study.tables import NotComputedError, Row, Tables, result_evidence, series_frame
 
 NEEDS = {"calibration": ("calibration",)}
 PRINTED_VALUES = CAPTURE_VELOCITIES
@@ -106,7 +106,11 @@ def run(params: Params, inputs: Tables) -> Tables:
     rows: list[Row] = []
     frames = []
     for case, pair in params.pairs.items():
-        contact = calibrated_contact(inputs, case)
+        try:
+            contact = calibrated_contact(inputs, case)
+        except NotComputedError as why:
+            rows.append({"pair": case, "problem": str(why)})
+            continue
         limit = float(capture_velocity(contact))
         if not 0.0 < limit < np.inf:
             complaint = f"a capture velocity of {limit:g} m/s has no law beside it"
