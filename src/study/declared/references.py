@@ -192,7 +192,7 @@ class Resolver:
         return Declared(value, "derived", source, f"{key}.{SEED}")
 
     def _wanted(self, kind: Shape, node: _Reference, key: str) -> Any:
-        """Return of what a reference names the field of its key, or those that a kind has."""
+        """Return the field of a reference that bears its key, or those that a kind has."""
         base, field = self._named(node), key.rpartition(".")[2]
         if isinstance(base, dict) and field in base:
             base = base[field]
@@ -208,7 +208,7 @@ class Resolver:
         return self._overlaid(base, node.beside)
 
     def _named(self, node: _Reference, opened: tuple[str, ...] = ()) -> Any:
-        """Return what a reference names: of several mappings, the first goes before."""
+        """Return the target of a reference: several mappings merged, the first goes before."""
         nodes = []
         for path in node.places:
             if path in opened:
@@ -236,7 +236,7 @@ class Resolver:
         return node
 
     def _overlaid(self, below: Any, above: Any) -> Any:
-        """Lay what stands beside a reference over what it names."""
+        """Merge the keys beside a reference over its target."""
         if above is None or below is None:
             return below if above is None else above
         if isinstance(above, dict) and KIND not in above:
@@ -269,7 +269,7 @@ class Resolver:
 
 
 def _beside(reference: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what stands beside the places that a reference names."""
+    """Return the keys of a reference besides its places."""
     return {name: child for name, child in reference.items() if name != FROM}
 
 
