@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pandas as pd
+from annotated_types import Ge, Le
 
 from microimpact.core.arrays import Real
 from microimpact.core.materials import Material, materials_from_rows
@@ -16,7 +17,7 @@ from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact, resized
 from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
-from study.declared.parameters import Name
+from study.declared.parameters import InferredName, LawName, ScenarioName
 from study.declared.selection import IMPACT
 from study.tables import NOT_COMPUTED, NotComputedError, Tables
 
@@ -34,6 +35,8 @@ DRAWN = {
 
 # Laws of contact.
 Kind = Literal["ring force", "jkr", "thornton-ning", "hysteresis"]
+# A speed far above capture, in capture velocities.
+PlateauRatio = Annotated[float, Ge(2), Le(1000)]
 # Printed numbers have two or three digits.
 DIGITS = 0.01
 CAPTURE_VELOCITIES = (
@@ -113,9 +116,9 @@ BAND = (0.05, 0.5, 0.95)
 class Posterior:
     """Contacts drawn from a posterior: those of a case, scenario and law of the inference."""
 
-    case: Name
-    scenario: Name
-    law: Name
+    case: InferredName
+    scenario: ScenarioName
+    law: LawName
 
 
 def posterior_rows(inputs: Tables, posterior: Posterior) -> pd.DataFrame:

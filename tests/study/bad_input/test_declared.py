@@ -230,6 +230,11 @@ OVERLAYS = [
     ({"surfaces": {"silicon front": {"surface_slope": 1.5}}}, ["surfaces.silicon front.surface_slope: 1.5 rad must be from -0.5 to 0.5 rad"]),
     ({"campaign": {"blocks": {"fast impacts": None}}}, ["campaign.blocks: give 181 experiments, not 187; 12 speed ranges, not 14, as counted: change counted, too"]),
     ({"contact_properties": {"plateau_speed_ratio": 1.0e9}}, ["contact_properties.plateau_speed_ratio: 1000000000.0 must be less than or equal to 1000"]),
+    ({"capture_velocities": {"plateau_speed_ratio": 1.01}}, ["capture_velocities.plateau_speed_ratio: 1.01 must be greater than or equal to 2"]),
+    ({"force_history": {"points": 10000000}}, ["force_history.points: 10000000 must be less than or equal to 100000"]),
+    ({"seed": 10**44}, [f"seed: {10**44} must be less than {2**63}"]),
+    ({"size_law": {"laws": ["JRK, viscous", "ring force"]}}, ["size_law.laws[0]: 'JRK, viscous' is not declared in inference.pairs.laws (did you mean 'JKR, viscous'?)"]),
+    ({"claim_numbers": {"draws": {"scenarios": ["with v_c"]}}}, ["claim_numbers.draws.scenarios[0]: 'with v_c' is not declared in inference.pairs.scenarios"]),
     ({"pathvars": "build/x"}, ["pathvars: 'build/x' must be a mapping"]),
     ({"pathvars": {"results": ""}}, ["pathvars.results: '' must not be empty"]),
 ]  # fmt: skip

@@ -17,7 +17,7 @@ from microimpact.core.bounds import AboveOne, Positive
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
-from study.declared.parameters import Ascending, CaseName, Name
+from study.declared.parameters import Ascending, CaseName, InferredName, LawName, ScenarioName
 from study.studies.contacts import (
     BAND,
     Posterior,
@@ -41,9 +41,9 @@ Sizes = Annotated[tuple[Positive, ...], Field(min_length=2), Ascending]
 class Params:
     """Laws that are compared, and rebounds from spheres of two sieves."""
 
-    case: Name
-    scenario: Name
-    laws: Annotated[tuple[Name, ...], Field(min_length=2)]
+    case: InferredName
+    scenario: ScenarioName
+    laws: Annotated[tuple[LawName, ...], Field(min_length=2)]
     compared: tuple[CaseName, ...]  # Single contacts shown beside them
     published_exponent: Positive  # Power of one over the diameter
     smaller_um: Positive

@@ -171,10 +171,9 @@ class Context:
         """Return the results of a large sample of virtual impacts; of the case, if there is one."""
         case_dropped = replace(dropped, case=self.case or dropped.case)
         key = (case_dropped, angle, sampling or self.params.sampling)
+        contact = self.contact(case_dropped)  # whose tables count as read by this claim, too
         if key not in self._seen:
-            sample = Sample(
-                dropped=case_dropped, contact=self.contact(case_dropped), sampling=key[2]
-            )
+            sample = Sample(dropped=case_dropped, contact=contact, sampling=key[2])
             self._seen[key] = sample.seen(angle)
         return self._seen[key]
 

@@ -16,8 +16,10 @@ from study.declared.parameters import (
     Count,
     Finite,
     Fraction,
-    Name,
+    InferredName,
+    LawName,
     Positive,
+    ScenarioName,
 )
 from study.studies.samples import Sampling
 
@@ -58,9 +60,9 @@ class Steel:
 class Draws:
     """Contacts for which claims are computed as well: all drawn of a case, by scenario and law."""
 
-    case: Name
-    scenarios: Annotated[tuple[Name, ...], Field(min_length=1)]
-    laws: Annotated[tuple[Name, ...], Field(min_length=1)]
+    case: InferredName
+    scenarios: Annotated[tuple[ScenarioName, ...], Field(min_length=1)]
+    laws: Annotated[tuple[LawName, ...], Field(min_length=1)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -22,7 +22,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.statistics import importance
 from microimpact.statistics.distributions import generator
-from study.declared.parameters import Count, Name, Seed
+from study.declared.parameters import Count, Name, Points, Seed
 from study.studies.contacts import BAND, DRAWN, of_kind
 from study.studies.models.inference.case import (
     Case,
@@ -72,7 +72,7 @@ class Params:
     first: Annotated[int, Field(ge=6, le=18)]
     rounds: Count
     draws: Count
-    points: Annotated[int, Field(ge=10)]  # Of a curve
+    points: Points  # Of a curve
     pairs: dict[Name, Case]
 
 
