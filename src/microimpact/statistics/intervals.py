@@ -52,7 +52,7 @@ def share_error(share: float, count: int) -> float:
     return float(np.sqrt(inside * (1.0 - inside) / count))
 
 
-def wilson_interval(part: int, whole: int) -> tuple[float, float]:
+def wilson_interval(part: float, whole: float) -> tuple[float, float]:
     """Ends of the 95 % interval of a share by Wilson's score.
 
     SciPy's `scipy.stats.binomtest` gives the same, and takes half a second to import.
@@ -60,7 +60,7 @@ def wilson_interval(part: int, whole: int) -> tuple[float, float]:
     Parameters
     ----------
     part, whole
-        Number of cases counted, and of all cases, at least 1.
+        Number of cases counted, and of all cases; of weighted ones their effective numbers.
     """
     from scipy.special import ndtri
 

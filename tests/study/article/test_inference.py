@@ -111,7 +111,8 @@ def test_the_statements_leave_law_and_capture_velocity_open(summary):
 def test_the_reading_of_one_statement_carries_the_law(summary):
     share = summary.loc[STEEL].xs((JKR, V_C), level=("law", "quantity"))["probability"]
     exact, without = share["e of 0.50 at 10 deg itself"], share["restitution at 10 deg or less"]
-    assert exact < 0.06 < 0.15 < share[WITHOUT] < without
+    assert 3 * exact < share[WITHOUT] < without
+    assert exact < 0.06
 
 
 def test_no_capture_seen_lowers_it(summary):

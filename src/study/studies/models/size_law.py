@@ -20,7 +20,6 @@ from microimpact.model.dynamics.normal import normal_impact
 from study.declared.parameters import Ascending, CaseName, Name
 from study.studies.contacts import (
     BAND,
-    Posterior,
     calibrated_contact,
     posterior_contact,
     posterior_rows,
@@ -100,7 +99,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 def drawn(params: Params, inputs: Tables, law: str) -> Contact:
     """Return some contacts of a law's posterior (draws,), at the size of the smaller sieve."""
-    rows = posterior_rows(inputs, Posterior(case=params.case, scenario=params.scenario, law=law))
+    rows = posterior_rows(inputs, params.case, params.scenario, law)
     rows = rows.iloc[:: max(len(rows) // DRAWS, 1)]
     return resized(posterior_contact(inputs, rows), params.smaller_um * 1e-6)
 

@@ -103,8 +103,8 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``evidence_summary``: by case, scenario, law: quantities, evidence, probability of the law.
     ``evidence_statements``: what each statement says, and what the contacts have.
-    ``posterior_contacts``: draws of the contacts by scenario and law. ``evidence_limits``,
-    ``evidence_works``: intervals of the first case. ``posterior_bands``: e against the speed.
+    ``posterior_contacts``: draws of the contacts by scenario and law that it does not exclude.
+    ``evidence_limits``, ``evidence_works``: intervals of the first case. ``posterior_bands``: e against the speed.
     `inputs`: ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``: contacts
     shown beside the bands.
     """
@@ -115,10 +115,12 @@ def run(params: Params, inputs: Tables) -> Tables:
         for kind, row, scenario in case.rows():
             weighed = [weigh(law, known[law], scenario, pools[law]) for law in pools]
             head: Row = {"case": name, "kind": kind, "scenario": row}
-            summaries += summary(head, case, weighed)
+            summaries += (summarised := summary(head, case, weighed))
             if kind == "scenario":
                 statements += [row for each in weighed for row in statement_rows(head, case, each)]
-                contacts += [drawn(head, case, each, params) for each in weighed]
+                excluded = {row["law"] for row in summarised if row.get("standing") == "excluded"}
+                kept = [each for each in weighed if each.law not in excluded]
+                contacts += [drawn(head, case, each, params) for each in kept]
     table, contacts_drawn = pd.DataFrame(summaries), pd.concat(contacts, ignore_index=True)
     shown = table["scenario"].isin(SHOWN) & table["standing"].isin(["preferred", "consistent"])
     curves = []

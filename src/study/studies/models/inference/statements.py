@@ -38,7 +38,7 @@ from study.declared.parameters import AngleDegrees, Ascending, Count, Finite, Na
 
 # Logarithm of the likelihood where there is no value: a captured sphere never leaves.
 IMPOSSIBLE = -1e6
-# Of a deviation without an error, in tails; and a turn of the normal by which values are derived, rad.
+# Of a deviation without an error, in tails; and a turn by which values are derived, rad.
 NO_ERROR, TURN = 1e-9, 1e-3
 # Contacts so far below the best one of a batch, their worst statement aside, are followed no more.
 UNLIKELY = 60.0
@@ -314,7 +314,7 @@ def _slope(impacts: FloatArray, e: FloatArray) -> FloatArray:
     secant = np.divide(np.diff(e), speed, out=np.zeros_like(e[:, 1:]), where=size == 0.0)
     sides = np.pad((size == 0.0).astype(float), 1)
     both = np.pad(secant, ((0, 0), (1, 1)))
-    return (both[:, :-1] + both[:, 1:]) / np.maximum(sides[:-1] + sides[1:], 1.0)
+    return np.asarray((both[:, :-1] + both[:, 1:]) / np.maximum(sides[:-1] + sides[1:], 1.0))
 
 
 def _frictional(
