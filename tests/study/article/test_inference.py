@@ -15,7 +15,10 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.roughness import measured_impulse_ratio, measured_restitution
 from microimpact.statistics.distributions import Constant, Normal
+from microimpact.statistics.importance import drawn_size
+from study.declared.parameters import build
 from study.studies.contacts import declared_contact
+from study.studies.models.inference import Judged, Params, values_at
 from study.studies.models.inference.statements import NODES, WEIGHTS, Statement, values_of
 from study.tables import parse_table
 
@@ -81,6 +84,34 @@ def test_plain_weighting_of_the_prior_gives_the_same(summary, plain, scenario):
     assert row["ln_evidence"] == pytest.approx(np.log(weights.mean()), abs=3 * error)
     below = weights[limit < row["median"]].sum() / weights.sum()
     assert below == pytest.approx(0.5, abs=3 * np.sqrt(0.25 / size + 0.25 / row["effective_size"]))
+
+
+@pytest.mark.parametrize(
+    ("name", "draws"),
+    [(JKR, 1000), (CONSTANT, 6000), (FREE, 10000)],
+    ids=["JKR", "n = 0", "n free"],
+)
+def test_uniform_draws_over_a_box_give_the_same_for_steel(
+    tables, summary, declared, settings, name, draws
+):
+    """Its share of the posterior is known from the drawn contacts; the prior is far too broad."""
+    case = build(Params, settings.branches["inference"]).pairs[STEEL]
+    law, row = case.laws[name], summary.loc[(STEEL, WITHOUT, name, V_C)]
+    drawn = tables["posterior_contacts"].set_index(["case", "scenario", "law"]).sort_index()
+    drawn = drawn.loc[(STEEL, WITHOUT, name)]
+    points = np.stack([[law.share(key, v) for v in drawn[key]] for key in law.ranges], axis=1)
+    low, high = np.quantile(points, [0.02, 0.98], axis=0)
+    held = np.mean(np.all((points >= low) & (points <= high), axis=1))
+    box = low + (high - low) * np.random.default_rng(4).random((draws, len(low)))
+    values = values_at(case, law, declared, box)
+    logs = Judged(case, values).likelihood(case.scenarios[WITHOUT]).total
+    weights = np.exp(logs)
+    size = weights.sum() ** 2 / np.sum(weights**2)
+    assert size > 40
+    worth = drawn_size(row["effective_size"], len(points))
+    error = np.sqrt(1 / size + row["ln_evidence_error"] ** 2 + (1 - held) / held / worth)
+    evidence = np.log(weights.mean() * np.prod(high - low) / held)
+    assert evidence == pytest.approx(row["ln_evidence"], abs=3 * error)
 
 
 def test_another_seed_agrees_within_the_stated_error(run_study, tables):

@@ -134,14 +134,14 @@ def impacts(params: Params, contacts: dict[str, Contact], pair: tuple[str, str])
     Parameters
     ----------
     contacts
-        By law; each pair is taken at its median capture velocity.
+        By law; each is taken at its median power of the diameter.
     pair
         Names of two laws; the one that needs more rebounds is the true one.
     """
     middles = {}
     for law in pair:
-        limits = np.asarray(capture_velocity(contacts[law]))
-        middles[law] = contacts[law].at((int(np.argsort(limits)[len(limits) // 2]),))
+        each = exponents(contacts[law], params.smaller_um, params.larger_um[-1])
+        middles[law] = contacts[law].at((int(np.argsort(each)[len(each) // 2]),))
     for larger in params.larger_um:
         powers = {law: float(exponents(middles[law], params.smaller_um, larger)) for law in pair}
         apart = abs(powers[pair[0]] - powers[pair[1]]) * np.log(larger / params.smaller_um)

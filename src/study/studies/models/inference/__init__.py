@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, get_args
 
 import numpy as np
@@ -27,6 +28,7 @@ from study.studies.contacts import BAND, DRAWN, of_kind
 from study.studies.models.inference.case import (
     Case,
     Judged,
+    Law,
     Likelihood,
     Parameter,
     Scenario,
@@ -104,7 +106,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``evidence_summary``: by case, scenario, law: quantities, evidence, probability of the law.
     ``evidence_statements``: what each statement says, and what the contacts have.
     ``posterior_contacts``: draws of the contacts by scenario and law that it does not exclude.
-    ``evidence_limits``, ``evidence_works``: intervals of the first case. ``posterior_bands``: e against the speed.
+    ``evidence_limits``, ``evidence_works``: intervals of the first case. ``posterior_bands``: e
+    against the speed.
     `inputs`: ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``: contacts
     shown beside the bands.
     """
@@ -138,39 +141,38 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
 
 
+def values_at(case: Case, law: Law, inputs: Tables, points: FloatArray) -> Values:
+    """Return what contacts of a law have at points of the unit cube (n, axes)."""
+    bare, classes = case.bare(inputs), np.array(case.classes_um)
+    parameters = law.parameters(points)
+    if law.law == "ring force":
+        known = {name: np.asarray(getattr(bare, DRAWN[name])) for name in RING}
+        spread = {name: np.broadcast_to(value, len(points)) for name, value in known.items()}
+        parameters = spread | parameters
+
+    def contacts(diameters: FloatArray, rows: IntArray | slice = slice(None)) -> Contact:
+        columns = {key: value[rows, None] for key, value in parameters.items()}
+        return of_kind(bare.replace(diameter=diameters * 1e-6), law.law, columns)
+
+    error = case.normal_error(next(iter(case.scenarios.values())))
+    values = values_of(case.statements, contacts, law.friction_bases, classes, error)
+    at_size = contacts(np.array([case.diameter_um]))
+    impact = normal_impact(at_size, case.speed_m_per_s)
+    limits = values["capture"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.log(limits[:, -1] / limits[:, 0]) / np.log(classes[-1] / classes[0])
+    outcomes = {
+        "v_c_m_per_s": limits[:, case.classes_um.index(case.diameter_um)],
+        "size_exponent": slope,
+        "restitution": impact.coefficient_of_restitution[:, 0],
+        "adhesion_share": losses(at_size, case.speed_m_per_s).adhesion_share[:, 0],
+    }
+    return values | parameters | outcomes
+
+
 def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance.Pool:
     """Draw contacts of a law where any scenario, omission or choice finds them likely."""
-    law, bare = case.laws[name], case.bare(inputs)
-    classes = np.array(case.classes_um)
-
-    def compute(points: FloatArray) -> Values:
-        parameters = law.parameters(points)
-        if law.law == "ring force":
-            known = {name: np.asarray(getattr(bare, DRAWN[name])) for name in RING}
-            spread = {name: np.broadcast_to(value, len(points)) for name, value in known.items()}
-            parameters = spread | parameters
-
-        def contacts(diameters: FloatArray, rows: IntArray | slice = slice(None)) -> Contact:
-            columns = {key: value[rows, None] for key, value in parameters.items()}
-            return of_kind(bare.replace(diameter=diameters * 1e-6), law.law, columns)
-
-        error = case.normal_error(next(iter(case.scenarios.values())))
-        values = values_of(case.statements, contacts, law.friction_bases, classes, error)
-        at_size = contacts(np.array([case.diameter_um]))
-        impact = normal_impact(at_size, case.speed_m_per_s)
-        limits = values["capture"]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slope = np.log(limits[:, -1] / limits[:, 0]) / np.log(classes[-1] / classes[0])
-        return (
-            values
-            | parameters
-            | {
-                "v_c_m_per_s": limits[:, case.classes_um.index(case.diameter_um)],
-                "size_exponent": slope,
-                "restitution": impact.coefficient_of_restitution[:, 0],
-                "adhesion_share": losses(at_size, case.speed_m_per_s).adhesion_share[:, 0],
-            }
-        )
+    law = case.laws[name]
 
     def log_densities(values: importance.Record) -> FloatArray:
         columns: dict[str, FloatArray] = {}
@@ -188,7 +190,7 @@ def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance
         return np.stack([logs for name, logs in columns.items() if heights[name] > least], axis=1)
 
     return importance.pool(
-        compute,
+        partial(values_at, case, law, inputs),
         log_densities,
         len(law.ranges),
         first=params.first - min(max(AXES - len(law.ranges), 0), FEWEST),
