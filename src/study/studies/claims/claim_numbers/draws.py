@@ -24,7 +24,7 @@ COLUMNS = ("claim", *DRAW, "alternative", "quantity", "value")
 
 
 # Laws other than the ring force are integrated point by point: of their draws every so many count.
-SPARSE = 4
+SPARSE = 3
 
 
 def drawn_contacts(params: Common, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
