@@ -93,7 +93,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 
 def contacts(params: Params, inputs: Tables) -> dict[str, Contact]:
-    """Return the contacts: with the printed capture velocity, that of the posterior, a lower one.
+    """Return contacts with the printed capture velocity, the median of the posterior, a lower one.
 
     Each has it at the diameter of the calibration.
     """

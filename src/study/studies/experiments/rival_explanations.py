@@ -128,12 +128,12 @@ def run(params: Params, inputs: Tables) -> Tables:
     is_marked = all(set(MARKS) <= set(printed_beside(inputs, *pair).index) for pair in pairs)
     marks = printed if is_marked else printed.iloc[:0]
     first = next(iter(contacts.values()))
-    other = forces(params, first, printed_capture_velocity(inputs, first))
+    needed = forces(params, first, printed_capture_velocity(inputs, first))
     return {
         "rival_restitution": figure_data(params, contacts, marks),
         "rival_explanations": pd.DataFrame(observations(params, contacts, printed)),
         "capture_evidence": pd.DataFrame(evidence(params, contacts, inputs, printed)),
-        "rival_forces": pd.DataFrame(other),
+        "rival_forces": pd.DataFrame(needed),
     }
 
 

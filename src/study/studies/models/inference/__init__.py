@@ -96,7 +96,7 @@ class Weighed:
 
     @property
     def values(self) -> Values:
-        """What the contacts have."""
+        """Values of the contacts."""
         return self.judged.values
 
 
@@ -142,7 +142,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 
 def values_at(case: Case, law: Law, inputs: Tables, points: FloatArray) -> Values:
-    """Return what contacts of a law have at points of the unit cube (n, axes)."""
+    """Return the values of contacts of a law at points of the unit cube (n, axes)."""
     bare, classes = case.bare(inputs), np.array(case.classes_um)
     parameters = law.parameters(points)
     if law.law == "ring force":
@@ -239,8 +239,8 @@ def summary(head: Row, case: Case, weighed: list[Weighed]) -> list[Row]:
             "effective_size": each.result.effective_size,
         }
         # An excluded law has a row that says so.
-        told = OUTCOMES[:1] if of_law["standing"] == "excluded" else quantities(case, each)
-        rows += quantiles(of_law, {name: each.values[name] for name in told}, each.weights)
+        named = OUTCOMES[:1] if of_law["standing"] == "excluded" else quantities(case, each)
+        rows += quantiles(of_law, {name: each.values[name] for name in named}, each.weights)
     # Over the laws only what all of them have.
     names_of_all = set.intersection(*(set(quantities(case, each)) for each in weighed))
     pooled = {

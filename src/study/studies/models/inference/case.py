@@ -191,12 +191,12 @@ class Judged:
         return self._logs[key]
 
     def misses(self, scenario: Scenario, name: str) -> BoolArray:
-        """Whether contacts (n,) miss a statement; of what is open, one must do."""
+        """Whether contacts (n,) miss a statement; of open angles, sizes and bases, one must do."""
         missed = self.case.statements[name].misses(*self.arguments(scenario, name))
         return missed if missed.ndim == 1 else np.all(missed, axis=1)
 
     def likelihood(self, scenario: Scenario) -> Likelihood:
-        """Return the likelihood of a scenario; what is open is alike before it.
+        """Return the likelihood of a scenario; open angles, sizes and bases are alike before it.
 
         Contacts that are outside of the ranges of the scenario have none.
         """

@@ -202,7 +202,7 @@ class Statement:
 
 
 def log_mean(logs: FloatArray) -> FloatArray:
-    """Logarithm of the mean of exp(logs) over the axis of what is open, if there is one."""
+    """Logarithm of the mean of exp(logs) over the second axis, if there is one."""
     if logs.ndim == 1:
         return logs
     return np.asarray(scipy.special.logsumexp(logs, axis=1) - np.log(logs.shape[1]))
