@@ -121,17 +121,16 @@ class Posterior:
     law: LawName
 
 
-def posterior_rows(inputs: Tables, posterior: Posterior) -> pd.DataFrame:
-    """Return the rows of ``posterior_contacts`` that are of a posterior.
+def posterior_rows(inputs: Tables, case: str, scenario: str, law: str = "") -> pd.DataFrame:
+    """Return the rows of ``posterior_contacts`` of a case and scenario, of one law or of all.
 
     Raises ValueError if there are none; the message names the nearest.
     """
     table = inputs["posterior_contacts"]
-    for column in ("case", "scenario", "law"):
-        name = getattr(posterior, column)
-        if name not in set(table[column]):
+    for column, name in {"case": case, "scenario": scenario, "law": law}.items():
+        if name and name not in set(table[column]):
             raise ValueError(f"no contacts of {column} {name!r}{nearest(name, set(table[column]))}")
-        table = table[table[column] == name]
+        table = table[table[column] == name] if name else table
     return table
 
 
@@ -186,7 +185,7 @@ def posterior_beside(
     dict
         One contact of arrays for each normal force in Coulomb's law that some were drawn with.
     """
-    rows = posterior_rows(inputs, posterior)
+    rows = posterior_rows(inputs, posterior.case, posterior.scenario, posterior.law)
     if pair_of({"calibration": rows}, posterior.case) != pair_of(inputs, case):
         return {}
     contacts = {}

@@ -17,7 +17,6 @@ from study.declared.parameters import (
     Finite,
     Fraction,
     InferredName,
-    LawName,
     Positive,
     ScenarioName,
 )
@@ -58,11 +57,10 @@ class Steel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Draws:
-    """Contacts for which claims are computed as well: all drawn of a case, by scenario and law."""
+    """Contacts for which claims are computed as well: those drawn of a case, in scenarios."""
 
     case: InferredName
     scenarios: Annotated[tuple[ScenarioName, ...], Field(min_length=1)]
-    laws: Annotated[tuple[LawName, ...], Field(min_length=1)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
