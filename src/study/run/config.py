@@ -225,9 +225,9 @@ def _inferred(config: Mapping[str, Any]) -> dict[str, tuple[str, set[str]]]:
     names = {
         sort: (
             f"inference.pairs.{sort}",
-            {n for each in pairs.values() for n in _entries(each).get(sort) or ()},
+            {n for each in pairs.values() for n in _entries(each).get(sort) or ()} | beyond,
         )
-        for sort in ("scenarios", "laws")
+        for sort, beyond in (("scenarios", set[str]()), ("laws", {"all laws"}))
     }
     return names | {"inference.pairs": ("inference.pairs", set(pairs))}
 
