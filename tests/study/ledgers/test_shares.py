@@ -151,6 +151,6 @@ def test_the_ledger_has_a_row_per_scenario(tmp_path):
     draws = pd.concat([drawn([0.7, 0.7, 0.7, 0.1]), drawn([0.7], scenario="without")])
     tables |= {"claim_draws": draws, "posterior_contacts": contacts(4)}
     rows = judge(tables, path)["claim_shares"]
-    counts = rows[["id", "scenario", "met", "drawn"]].to_numpy().tolist()
-    assert counts == [["C01", "with", 3, 4], ["C01", "without", 1, 1]]
-    assert ((rows["low"] < rows["met"] / rows["drawn"]) & (rows["high"] <= 1.0)).all()
+    shares = rows[["id", "scenario", "share"]].to_numpy().tolist()
+    assert shares == [["C01", "with", 0.75], ["C01", "without", 1.0]]
+    assert ((rows["low"] < rows["share"]) & (rows["high"] <= 1.0)).all()
