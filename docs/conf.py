@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import tempfile
+from contextlib import chdir, redirect_stdout
 from importlib.metadata import version as version_of
+from io import StringIO
+from textwrap import indent
 
 from docutils.nodes import SkipNode
 from docutils.utils.math.latex2mathml import tex2mathml
@@ -16,8 +21,15 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
+    "matplotlib.sphinxext.plot_directive",
 ]
-exclude_patterns = ["images"]
+source_suffix = {".rst": "restructuredtext", ".md": "markdown", ".ipynb": "markdown"}
+exclude_patterns = ["images", "examples"]
+# Pictures of the examples; the files that these write are of no use.
+plot_formats = [("png", 120)]
+plot_html_show_formats = False
+plot_html_show_source_link = False
+plot_working_directory = tempfile.mkdtemp()
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 html_math_renderer = "mathml"
@@ -51,6 +63,33 @@ def _formula(writer, node) -> None:
     raise SkipNode
 
 
+def _notebook(app, page: str, source: list[str]) -> None:
+    """Turn a notebook into Markdown with what its code prints; plots are drawn from that."""
+    if app.env.doc2path(page).suffix == ".ipynb":
+        cells = json.loads(source[0])["cells"]
+        texts = ["".join(cell["source"]) for cell in cells]
+        names: dict[str, object] = {}
+        for k, cell in enumerate(cells):
+            if cell["cell_type"] == "code":
+                with chdir(plot_working_directory), redirect_stdout(StringIO()) as printed:
+                    exec(texts[k], names)
+                texts[k] = CELL.format(cell["id"], indent(texts[k], "   "))
+                if printed.getvalue():
+                    texts[k] += f"\n\n```text\n{printed.getvalue()}```"
+        source[0] = "\n\n".join(texts)
+
+
+CELL = """```{{eval-rst}}
+.. plot::
+   :context: close-figs
+   :include-source:
+   :filename-prefix: {}
+
+{}
+```"""
+
+
 def setup(app) -> None:
-    """Make formulas independent of the network."""
+    """Read notebooks, and make formulas independent of the network."""
+    app.connect("source-read", _notebook)
     app.add_html_math_renderer("mathml", (_formula, None), (_formula, None))

@@ -113,7 +113,7 @@ def time_form() -> Callable[..., March]:
 
 # Smaller than as shipped, for speed; large enough for what is asserted.
 SMALLER = {
-    "inference": {"first": 10, "points": 31},
+    "inference": {"points": 31},
     "rolling_dissipation": {"points": 9},
 }
 

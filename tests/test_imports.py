@@ -208,7 +208,7 @@ class Absent:
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
 sys.meta_path.insert(0, Absent())
-assert {"pandas", "matplotlib", "snakemake", "pydantic", "rich"} <= others
+assert {"pandas", "matplotlib", "snakemake", "pydantic", "rich", "emcee"} <= others
 assert not {"numpy", "scipy", "numba", "click"} & others
 """
 
@@ -218,29 +218,36 @@ def test_the_physics_needs_none_of_the_studys_packages(tmp_path):
     rows = ("0.2,0.1", "0.25,0.4", "0.3,0.5", "0.5,0.6", "1,0.7", "2,0.7", "3,0.7")
     data.write_text("\n".join(["v,e", *rows]), encoding="utf-8")
     pair = ["--particle", "stainless-steel-316", "--surface", "silicon"]
+    targets = ["--restitution", "0.7", "--at-speed", "1.66", "--capture-velocity", "0.18"]
     commands = [
         ["simulate", *pair, "--speed", "1"],
         ["capture", *pair],
         ["materials"],
         ["export", *pair, "-o", str(tmp_path / "law")],
         ["fit", str(data)],
-        ["calibrate", str(data), *pair, "--sigma", "0.02", "--draws", "20", "-o", str(drawn)],
+        ["calibrate", *pair, *targets, "-o", str(drawn)],
         ["simulate", "--contact", str(drawn), "--speed", "1", "--json"],
     ]
+    lacking = ["calibrate", str(data), *pair, "--sigma", "0.02"], ["compare", "x", "x"]
     code = (
         f"{ALONE}{IMPACT}\n"
         "from microimpact import fit_restitution, tabulate, trajectory\n"
         "from microimpact.cli import main\n"
         f"for sys.argv[1:] in {commands!r}:\n    main()\n"
-        "sys.argv[1:] = ['compare', 'x', 'x']\n"
-        "try:\n    main()\nexcept SystemExit as end:\n    print('ended', end.code)\n"
+        f"for sys.argv[1:] in {lacking!r}:\n"
+        "    try:\n        main()\n    except SystemExit as end:\n"
+        "        print('ended', end.code)\n"
     )
-    assert run(code).rstrip().endswith("ended 2")
+    done = execute(sys.executable, "-c", code)
+    assert done.stdout.rstrip().endswith("ended 2\nended 2")
+    assert "needs emcee: pip install '.[calibrate]'" in done.stderr
 
 
 def test_the_page_on_python_runs_with_the_physics_alone(tmp_path):
-    code = "\n".join(block.text for block in blocks("python") if block.page == "docs/python.md")
-    run(f"import os\nos.chdir({str(tmp_path)!r})\n{ALONE}{code}")
+    code = [block.text for block in blocks("python") if block.page == "docs/python.md"]
+    examples = (path.read_text() for path in sorted((ROOT / "docs/examples").glob("*.py")))
+    code += [text for text in examples if "matplotlib" not in text]
+    run(f"import os\nos.chdir({str(tmp_path)!r})\n{ALONE}{chr(10).join(code)}")
 
 
 def test_with_the_physics_alone_its_help_is_whole():

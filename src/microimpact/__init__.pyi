@@ -1,3 +1,4 @@
+from .core.declared import materials as materials
 from .core.materials import Material as Material
 from .measured.rebounds import read_rebounds as read_rebounds
 from .model import JKR as JKR

@@ -19,7 +19,7 @@ Task = Literal["quoted", "written", "appended", "python", "command", "output"]
 MARKERS: dict[str, Task] = {"From": "quoted", "Create": "written", "Add to": "appended"}
 
 _MARKER = re.compile(r"(From|Create|Add to)\s+`([^`\s]+)`:$")
-_FENCE = re.compile(r"(?ms)^(?P<indent> *)```(?P<kind>\w*)\n(?P<text>.*?)^(?P=indent)```$")
+_FENCE = re.compile(r"(?ms)^(?P<indent> *)```(?P<kind>\w*|\{[^\n]*)\n(?P<text>.*?)^(?P=indent)```$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +40,9 @@ class Block:
 def blocks_of(page: str, text: str) -> list[Block]:
     """Return the blocks of a page in their order.
 
-    Without a marker, ``python`` and ``sh`` are run, and ``text`` right after ``sh`` is what the
-    command prints. Anything else is refused, so that no block goes untested.
+    Directives show examples, which ``test_examples`` runs. Without a marker, ``python`` and ``sh``
+    are run, and ``text`` right after ``sh`` is what the command prints. Anything else is refused,
+    so that no block goes untested.
     """
     found: list[Block] = []
     end = 0
@@ -49,6 +50,9 @@ def blocks_of(page: str, text: str) -> list[Block]:
         before = text[end : match.start()].rstrip()
         line = text.count("\n", 0, match.start()) + 1
         kind, marker = match["kind"], _MARKER.search(before)
+        end = match.end()
+        if kind.startswith("{"):  # an example, which has a test
+            continue
         # In a list a block stands to the right, with all of its lines.
         content = re.sub(f"(?m)^{match['indent']}", "", match["text"])
         if marker:
@@ -60,7 +64,6 @@ def blocks_of(page: str, text: str) -> list[Block]:
         else:
             raise ValueError(f"{page}:{line}: say what a block of {kind or 'no language'} is for")
         found.append(Block(page, line, kind, content, task, path))
-        end = match.end()
     return found
 
 

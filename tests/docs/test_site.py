@@ -25,6 +25,7 @@ def test_every_page_is_in_the_navigation_once():
     index = (ROOT / "docs/index.rst").read_text(encoding="utf-8")
     entries = re.findall(r"^ {3}([\w/-]+)$", index, flags=re.MULTILINE)
     pages = [page.stem for page in (ROOT / "docs").glob("*.md")]
+    pages += [f"notebooks/{page.stem}" for page in (ROOT / "docs/notebooks").glob("*.ipynb")]
     assert sorted(entries) == sorted([*pages, "api/index"])
 
 

@@ -140,7 +140,7 @@ use rule study as mechanisms with:
 use rule study as pile_up with:
     """data/pile_up_onset.csv: spheres that end on the target; tables of shares and onsets."""
     input:
-        **tables("calibration"),
+        **tables("calibration", "evidence_summary"),
     output:
         **tables("pile_up", "pile_up_onsets"),
         **data("pile_up_onset"),

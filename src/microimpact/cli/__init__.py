@@ -16,6 +16,7 @@ from microimpact.cli.contacts import (
 )
 from microimpact.cli.measured import calibrate_command, fit_command
 from microimpact.cli.reference import reference_command, verify_command
+from microimpact.core.extras import missing
 
 
 def main() -> None:
@@ -36,8 +37,7 @@ def run(group: click.Group) -> None:
     except click.Abort:
         sys.exit(130)
     except ModuleNotFoundError as error:
-        extra = "plot" if error.name == "matplotlib" else "study"
-        click.echo(f"microimpact: needs {error.name}: pip install '.[{extra}]'", err=True)
+        click.echo(f"microimpact: {missing(error)}", err=True)
         sys.exit(2)
     except OSError as error:
         message = f"{error.filename}: {error.strerror}" if error.filename else error

@@ -13,12 +13,14 @@ import numpy as np
 
 from microimpact.cli.output import Sweep, number, print_json, print_table, warn
 from microimpact.core.arrays import POSITIVE, checked
-from microimpact.core.materials import Material, declared_file, read_materials
+from microimpact.core.materials import Material, read_materials
 from microimpact.core.nearest import nearest
+from microimpact.core.plausible import implausible
 from microimpact.model.choices import (
     CALIBRATED,
     FORMATS,
     FRICTION_BASES,
+    INTERVAL,
     STIFFNESS_MODELS,
     TANGENTIAL_LAWS,
 )
@@ -171,10 +173,7 @@ class Chosen:
         if self.draws:
             parts = [f"{c.shape[0]} by {law}" for law, c in self.contacts.items() if c.shape]
             laws = f", {', '.join(parts)}" if len(parts) > 1 else ""
-            return (
-                f"{title}\nThe best of {self.draws} contacts{laws}; ranges are from 5 to 95 % of "
-                "them."
-            )
+            return f"{title}\nThe best of {self.draws} contacts{laws}; intervals hold 95 % of them."
         if not self.replaced:
             return title
         changes = ", ".join(
@@ -212,8 +211,8 @@ def _fields_of(contact: Contact) -> dict[str, Any]:
 
 
 def _quantiles(values: Any) -> tuple[float, float, float]:
-    """The 5 %, 50 % and 95 % of values."""
-    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95], method="nearest").tolist()
+    """Ends and middle of the 95 % interval of values."""
+    low, middle, high = np.quantile(values, INTERVAL, method="nearest").tolist()
     return low, middle, high
 
 
@@ -297,7 +296,7 @@ def simulate_command(
     limit = None
     if yield_strength_mpa is not None:
         limit = 1e6 * float(checked("yield-strength-mpa", yield_strength_mpa, POSITIVE))
-    warn(chosen.doubts())
+    warn((*chosen.doubts(), *implausible({"angle": np.max(angle)})))
     for contact, outcome in zip(chosen.contacts.values(), outcomes, strict=True):
         warn(doubts(contact, outcome.maximum_compression, limit))
     after = {
@@ -340,7 +339,7 @@ def _print_impact(title: str, after: Mapping[str, Summary], *, draws: bool) -> N
             rows.append((label, numbers["value"], f"{numbers['low']} to {numbers['high']}", unit))
         else:
             rows.append((label, f"{numbers['value']} of all", "", unit))
-    header = ("", "median", "5 to 95 %", "unit") if draws else ("", "value", "unit")
+    header = ("", "median", "95 %", "unit") if draws else ("", "value", "unit")
     print_table(title, header, rows)
 
 
@@ -350,14 +349,14 @@ def _joined(values: Sequence[Any]) -> Any:
 
 
 def _summary(values: Any, draws: int) -> Summary:
-    """Values (n,), or of draws (draws, n) the median and 5 and 95 %; shares of yes."""
+    """Values (n,), or of draws (draws, n) the median and the 95 % interval; shares of yes."""
     if not draws:
         return {"value": np.atleast_1d(values)}
     if np.asarray(values).dtype == bool:
         return {"value": np.mean(values, axis=0)}
     array = np.asarray(values, dtype=float)
     with np.errstate(invalid="ignore"):  # between infinite contact times
-        low, middle, high = np.quantile(array, [0.05, 0.5, 0.95], axis=0, method="nearest")
+        low, middle, high = np.quantile(array, INTERVAL, axis=0, method="nearest")
     return {"value": middle, "low": low, "high": high}
 
 
@@ -415,7 +414,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
     if chosen.draws:
         low, middle, high = _quantiles(limits)
         span = f"{number(middle)} ({number(low)} to {number(high)})"
-        rows.insert(1, ("of all contacts, median (5 to 95 %)", span, "m/s"))
+        rows.insert(1, ("of all contacts, median (95 %)", span, "m/s"))
     print_table(chosen.title(), ("", "value", "unit"), rows)
 
 
@@ -512,9 +511,10 @@ def materials_command(materials: str | None, as_json: bool) -> None:
 
 def _shipped() -> tuple[dict[str, Material], dict[Pair, dict[str, float]]]:
     """Shipped materials and pairs."""
+    from microimpact.core.declared import materials
     from microimpact.model.pairs import declared_pairs
 
-    return read_materials(declared_file("materials.csv")), declared_pairs()
+    return dict(materials), declared_pairs()
 
 
 def contact_of(

@@ -12,14 +12,13 @@ import click
 import numpy as np
 
 from microimpact.cli.contacts import contact_of, contact_options
-from microimpact.cli.output import number, precise, print_json, print_table, warn
-from microimpact.model.choices import CALIBRATED
+from microimpact.cli.output import number, print_json, print_table, warn
+from microimpact.model.choices import CALIBRATED, INTERVAL
 from microimpact.model.contact_laws import RING_FORCE
 
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
-    from microimpact.model.empirical.comparison import Comparison
     from microimpact.model.law_draws import LawDraws
 
 # What a file may leave to options: the columns, and the options.
@@ -111,39 +110,8 @@ def fit_command(
         return
     captured = int((measured.e == 0.0).sum())
     title = f"{data}: {measured.v.size - captured} rebounds, {captured} captured"
-    criterion = "AICc" if measured.sigma is None else "AIC"
-    header = ("model", "v_c (m/s)", "from", "to", "free", "chi2", criterion, "weight")
-    rows = [
-        (
-            model.name,
-            *_with_interval(model.v_c, model.interval),
-            str(model.free),
-            "" if model.chi_square is None else f"{model.chi_square:.1f}",
-            f"{model.criterion:.1f}",
-            f"{model.weight:.2f}",
-        )
-        for model in comparison.models
-    ]
-    print_table(title, header, rows)
-    v_c, low, high = _with_interval(comparison.v_c, comparison.v_c_interval)
-    click.echo(
-        f"v_c = {v_c} m/s, {100 * confidence:g} %: {low} to {high} m/s, averaged "
-        "over the models by weight.\nOn condition that one of them has the shape of the true curve"
-        f"{_of_sizes(comparison)}."
-    )
+    click.echo(f"{title}\n{comparison.summary()}")
     warn(comparison.warnings)
-
-
-def _of_sizes(comparison: Comparison) -> str:
-    """Assumptions on speeds and sizes, as the end of a sentence."""
-    if comparison.exact:
-        return "; speeds and sizes are taken as exact"
-    words = ",\naveraged over the errors of speed and the sizes"
-    if comparison.size_scatter is not None:
-        words += f"; these scatter by {100.0 * comparison.size_scatter:.2g} %"
-    if comparison.diameter is not None:
-        words += f"; v_c is that of the median sphere of {1e6 * comparison.diameter:.4g} um"
-    return words
 
 
 @click.command("calibrate")
@@ -197,7 +165,7 @@ def calibrate_command(
         drawn = _by_laws(start, measured, draws, seed)
         contacts, bests = dict(drawn.contacts), dict(drawn.best)
         weights = {model.name: model.weight for model in drawn.comparison.models}
-        words = f"{drawn}\n"
+        words = f"{drawn.summary()}\n"
         warn(drawn.warnings)
     else:
         if not (measured.sigma_v is None and measured.d is None and measured.size_scatter is None):
@@ -207,7 +175,7 @@ def calibrate_command(
         spread: Any = measured.sigma
         posterior = calibrate(start, measured.v, measured.e, spread, names, draws=draws, seed=seed)
         contacts, bests = {RING_FORCE: posterior.contact}, {RING_FORCE: posterior.best}
-        words = f"{posterior}\nThe ring force is supposed to be the law.\n"
+        words = f"{posterior.summary()}\nThe ring force is supposed to be the law.\n"
         warn(posterior.misfit.warnings)
     if output:
         write_contacts(output, contacts, bests)
@@ -271,7 +239,7 @@ def _print_contacts(
             (f"{law}: {symbol}", *map(number, numbers.values()))
             for symbol, numbers in ranges.items()
         ]
-    print_table(title, ("", "best", "median", "5 %", "95 %"), rows)
+    print_table(title, ("", "best", "median", "95 % from", "to"), rows)
     click.echo(words, nl=False)
     if output:
         click.echo(f"Written: {output}")
@@ -341,12 +309,6 @@ def _spread(name: str, text: str | float, measured: Rebounds) -> Any:
     return value * (measured.v if name == "sigma_v" and percent else np.ones(measured.v.shape))
 
 
-def _with_interval(value: float, interval: tuple[float, float]) -> list[str]:
-    """Format a number and the ends of its interval."""
-    low, high = interval
-    return [precise(number, high - low) for number in (value, low, high)]
-
-
 def _range(values: Any, best: Any) -> dict[str, float]:
-    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95], method="nearest")
+    low, middle, high = np.quantile(values, INTERVAL, method="nearest")
     return {"best": float(best), "median": middle, "low": low, "high": high}

@@ -9,20 +9,14 @@ from typing import Any
 import click
 import numpy as np
 
+from microimpact.core.readable import table
+
 
 def number(value: Any, factor: float = 1.0) -> str:
     """Format a number in six digits, or as yes or no."""
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     return f"{value * factor:.6g}"
-
-
-def precise(value: float, width: float) -> str:
-    """Format a number in four digits, or in as many as show two of an interval's width."""
-    if not (value and 0.0 < width < np.inf):
-        return f"{value:.4g}"
-    digits = int(np.floor(np.log10(abs(value))) - np.floor(np.log10(width))) + 2
-    return f"{value:.{max(digits, 4)}g}"
 
 
 def print_json(values: Mapping[str, Any]) -> None:
@@ -46,13 +40,8 @@ def print_json(values: Mapping[str, Any]) -> None:
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table below its title, as wide as its cells."""
-    lines = [tuple(columns), *map(tuple, rows)]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    lines.insert(1, tuple("-" * width for width in widths))
-    click.echo(title)
-    for line in lines:
-        click.echo("  ".join(map(str.ljust, line, widths)).rstrip())
+    """Print a table below its title."""
+    click.echo(f"{title}\n{table(rows, columns)}")
 
 
 def warn(sentences: Iterable[str]) -> None:

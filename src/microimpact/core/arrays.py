@@ -126,12 +126,16 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
     return array
 
 
-# Units of arguments that have one; angles are degrees, as everywhere.
+# Units of arguments and outcomes that have one; angles are degrees, as everywhere.
 _UNITS = {
-    "m": ("diameter", "radius", "surface_radius", "partner_diameter", "equivalent_radius"),
+    "m": (
+        *("diameter", "radius", "surface_radius", "partner_diameter", "equivalent_radius"),
+        *("compression", "maximum_compression"),
+    ),
     "m/s": (
         *("v", "v_n", "v_t", "v_c", "speed", "velocity", "reference_velocity", "slowest"),
         *("fastest", "high_speed", "capture_speed", "k", "kappa"),
+        *("normal_velocity", "tangential_velocity", "slip"),
     ),
     "rad/s": ("omega", "spin", "partner_spin"),
     "degree": ("angle", "tilt"),
@@ -140,14 +144,18 @@ _UNITS = {
     "J/m**2": ("work_of_adhesion", "law.unloading_work"),
     "N/m": ("ring_force",),
     "s/m": ("hertz_damping", "adhesion_damping"),
-    "s": ("law.viscous_time",),
+    "s": ("time", "contact_time", "law.viscous_time"),
+    "N": (
+        *("hertz_force", "hertz_damping_force", "adhesion_force", "adhesion_damping_force"),
+        *("normal_force", "friction_force"),
+    ),
 }
-_UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names}
+UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names}
 
 
 def _plain(name: str, quantity: Any) -> Any:
     """Return the number of a quantity in the unit of the argument."""
-    unit = _UNIT_OF.get(name, "")
+    unit = UNIT_OF.get(name, "")
     try:
         return quantity.to(unit).magnitude
     except (TypeError, ValueError) as error:  # of whatever package made the quantity

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.extras import optional
 from microimpact.core.solve import NoRootError, root
 
 # Share of the steps that is not kept: the walkers drift to where they belong.
@@ -85,7 +86,7 @@ def draw(
     ValueError
         If more draws are wanted than points are kept.
     """
-    import emcee
+    emcee = optional("emcee")
 
     kept = steps - int(DRIFT * steps)
     if draws > kept * walkers * ENSEMBLES:

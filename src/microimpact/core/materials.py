@@ -11,6 +11,8 @@ from typing import Any
 
 from microimpact.core.arrays import POSITIVE, Range, Real, checked, common_shape
 from microimpact.core.nearest import nearest
+from microimpact.core.plausible import warn_caller
+from microimpact.core.readable import Readable
 
 # Units that declared values may be given in, with their SI factors.
 PRESSURE = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
@@ -34,8 +36,8 @@ _UNITS = {"youngs_modulus": PRESSURE, "poissons_ratio": NUMBER, "density": DENSI
 _RANGES = {"youngs_modulus": POSITIVE, "poissons_ratio": POISSON_RANGE, "density": POSITIVE}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Material:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Material(Readable):
     """An isotropic elastic material.
 
     Parameters
@@ -54,6 +56,11 @@ class Material:
     TypeError, ValueError
         If the name is no such text, or a property is not a number (or array of numbers), not
         finite or out of range.
+
+    Warns
+    -----
+    UserWarning
+        If a number is hardly meant, as one in GPa.
     """
 
     name: str
@@ -72,6 +79,7 @@ class Material:
         for key, allowed in _RANGES.items():
             object.__setattr__(self, key, checked(key, getattr(self, key), allowed))
         common_shape({key: getattr(self, key) for key in _RANGES})
+        warn_caller(self, depth=3, whose=f"{self.name}: ")
 
 
 def declared_file(name: str) -> Path:
@@ -181,6 +189,13 @@ def materials_from_rows(rows: Iterable[Row]) -> dict[str, Material]:
         except ValueError as problem:
             raise ValueError(f"material {name!r}: {problem}") from None
     return built
+
+
+class Declared(dict[str, Material]):
+    """Materials by name; a name that is not declared is an error with the nearest."""
+
+    def __missing__(self, name: str) -> Material:
+        raise KeyError(f"unknown material {name!r}{nearest(name, self)}")
 
 
 def find_material(name: str, materials: Mapping[str, Material]) -> Material:

@@ -17,6 +17,8 @@ CALIBRATED = (
 # All numbers of a contact beside those of its materials.
 NUMBERS = ("diameter", *CALIBRATED, "friction")
 STIFFNESS_MODELS = ("hertz", "reduced")
+# Quantiles of draws: the ends and the middle of a 95 % interval, the level of all intervals here.
+INTERVAL = (0.025, 0.5, 0.975)
 # Forms in which a rebound law is written.
 FORMATS = (
     *("c", "csv", "npz", "fluent", "openfoam", "acusolve"),

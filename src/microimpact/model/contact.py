@@ -13,6 +13,8 @@ import numpy as np
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Real, checked, choice, common_shape
 from microimpact.core.materials import Material
+from microimpact.core.plausible import warn_caller
+from microimpact.core.readable import Readable
 from microimpact.model.choices import STIFFNESS_MODELS
 from microimpact.model.contact_laws import RING_FORCE, ContactLaw, Hysteresis, contact_law
 
@@ -104,8 +106,8 @@ def require_contact(value: object, *, any_law: bool = False, pair: bool = False)
         raise ValueError("contact must be one with a surface here, got one with a partner_diameter")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Contact:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Contact(Readable):
     """A sphere on a surface, or two spheres, with adhesion, damping and friction.
 
     Every number may be an array; the fields broadcast with each other and with the speeds, angles
@@ -157,6 +159,11 @@ class Contact:
     ------
     TypeError, ValueError
         If a field is not a number, out of range, or the fields do not broadcast.
+
+    Warns
+    -----
+    UserWarning
+        If a number is hardly meant, as a diameter in micrometres.
     """
 
     particle: Material
@@ -174,8 +181,8 @@ class Contact:
     partner_diameter: Real = math.inf
     damped_attachment: bool = False
     law: ContactLaw | None = None
-    adhesion_input: str = field(init=False, default="")
-    shape: tuple[int, ...] = field(init=False, default=())
+    adhesion_input: str = field(init=False, default="", repr=False)
+    shape: tuple[int, ...] = field(init=False, default=(), repr=False)
     hertz_stiffness: Real = field(init=False, default=math.nan, repr=False, compare=False)
     # Mass, velocity scale, r^(1/2) K and equilibrium compression, which every impact needs.
     scales: tuple[Real, ...] = field(init=False, default=(), repr=False, compare=False)
@@ -200,6 +207,7 @@ class Contact:
             self._check_law(self.law, adhesion_input)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             self._resolve_adhesion()
+        warn_caller(self, depth=3)
 
     def _check_law(self, law: ContactLaw, adhesion_input: str) -> None:
         """Refuse parameters of the ring force, and works of adhesion that would gain energy."""
@@ -291,13 +299,21 @@ class Contact:
                 named[f"{role}.{name}"] = getattr(getattr(self, role), name)
         return {name: value for name, value in named.items() if value is not None}
 
+    def shown(self) -> dict[str, Any]:
+        """Return the fields that were given, and the friction in any case."""
+        derived = {"work_of_adhesion", "ring_force"} - {self.adhesion_input}
+        values = Readable.shown(self) | {"friction": self.friction}
+        return {name: value for name, value in values.items() if name not in derived}
+
     def replace(self, **changes: Any) -> Contact:
         """Return a contact with some fields changed; the given adhesion input is kept."""
         kept = {f.name: getattr(self, f.name) for f in fields(self) if f.init}
         del kept["ring_force" if self.adhesion_input == "work_of_adhesion" else "work_of_adhesion"]
         if {"work_of_adhesion", "ring_force"} & set(changes):
             kept.pop(self.adhesion_input)
-        return Contact(**(kept | changes))
+        contact = Contact(**(kept | changes))
+        warn_caller({name: getattr(contact, name) for name in changes}, depth=2)
+        return contact
 
     def at(self, index: Any, shape: tuple[int, ...] | None = None) -> Contact:
         """Index the array of contacts.

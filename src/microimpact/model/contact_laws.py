@@ -11,12 +11,13 @@ from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Range, Real, checked
+from microimpact.core.readable import Readable
 
 RING_FORCE = "ring force"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ContactLaw:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class ContactLaw(Readable):
     """A law of the normal force; its parameters may be arrays, as the fields of a contact."""
 
     name: ClassVar[str] = ""
@@ -36,7 +37,7 @@ class ContactLaw:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class JKR(ContactLaw):
     """JKR contact with viscous loss in the bulk (Krijt et al. 2013).
 
@@ -54,7 +55,7 @@ class JKR(ContactLaw):
     viscous_time: Real = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class ThorntonNing(ContactLaw):
     """Adhesive elastic, perfectly plastic contact (Thornton and Ning 1998).
 
@@ -71,7 +72,7 @@ class ThorntonNing(ContactLaw):
     yield_pressure: Real
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Hysteresis(ContactLaw):
     """Rate-independent hysteresis of adhesion: the contact closes by one work and opens by another.
 

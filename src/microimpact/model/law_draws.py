@@ -18,6 +18,7 @@ import numpy as np
 
 from microimpact.core import ensemble
 from microimpact.core.arrays import FloatArray, Numbers
+from microimpact.core.readable import Readable
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.empirical import scatter, shapes
@@ -42,8 +43,8 @@ STEPS, MOST = 350, 1400
 LAWS = ("ring force", "viscous JKR", "Thornton-Ning", "hysteresis")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LawDraws:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class LawDraws(Readable):
     """Contacts by several laws; ``str(draws)`` is a summary.
 
     Attributes
@@ -73,7 +74,8 @@ class LawDraws:
         """Return a quantity of all draws, joined along the last axis."""
         return np.concatenate([np.asarray(quantity(c)) for c in self.contacts.values()], axis=-1)
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """Weight and number of draws of each law, and the misfit of the best, as text."""
         weights = {model.name: model.weight for model in self.comparison.models}
         lines = [
             f"{name}: weight {weights[name]:.2f}, {contact.shape[0]} draws"
@@ -122,7 +124,7 @@ def calibrate_laws(
     Examples
     --------
     >>> drawn = calibrate_laws(contact, v, e, sigma=0.02)
-    >>> low, high = np.quantile(drawn.of_all(capture_velocity), [0.05, 0.95])
+    >>> low, high = np.quantile(drawn.of_all(capture_velocity), [0.025, 0.975])
     """
     require_contact(contact, any_law=True, pair=True)
     if contact.damped_attachment:

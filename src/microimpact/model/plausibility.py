@@ -7,12 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from microimpact.core.arrays import Real
-from microimpact.core.materials import Material
+from microimpact.core.plausible import PLAUSIBLE, implausible
 from microimpact.model.contact import Contact
 
-SOFTEST, STIFFEST = 1e6, 2e12  # Pa
-LIGHTEST, HEAVIEST = 10.0, 30e3  # kg/m3
-SMALLEST, LARGEST = 1e-9, 5e-3  # m
 # Far above the speeds at which any solid stays elastic.
 FASTEST = 1e3  # m/s
 # Beyond it a facet hides its neighbours, which no model of a rough surface here considers.
@@ -25,16 +22,6 @@ DEEPEST = 0.1
 HIGHEST = 0.05
 
 
-def doubts_of_material(material: Material, whose: str = "") -> Iterator[str]:
-    """Doubts about a material, a sentence each; `whose` completes the name of a property."""
-    stiffness = np.asarray(material.youngs_modulus)
-    if np.any((stiffness < SOFTEST) | (stiffness > STIFFEST)):
-        yield f"Young's modulus{whose}, {stiffness.min():.3g} Pa, is not from 1 MPa to 2000 GPa"
-    density = np.asarray(material.density)
-    if np.any((density < LIGHTEST) | (density > HEAVIEST)):
-        yield f"the density{whose}, {density.min():.3g} kg/m3, is not from 10 to 30000 kg/m3"
-
-
 def doubt_of_input(key: str, value: object) -> str:
     """Return the doubt about a diameter, speed or slope of the configuration, by its key's words.
 
@@ -45,7 +32,8 @@ def doubt_of_input(key: str, value: object) -> str:
     if not isinstance(value, int | float) or isinstance(value, bool):
         return ""
     if "diameter" in name and name.endswith("_um"):
-        low, high, unit = SMALLEST * 1e6, LARGEST * 1e6, "um"
+        low, high = (1e6 * end for end in PLAUSIBLE["diameter"][:2])
+        unit = "um"
     elif name.startswith("speed") and name.endswith("_m_per_s"):
         low, high, unit = 0.0, FASTEST, "m/s"
     elif name.endswith("slope"):
@@ -74,13 +62,8 @@ def doubts(
     from microimpact.model.dynamics.capture import capture_velocity
 
     for role in ("particle", "surface"):
-        body = getattr(contact, role)
-        yield from doubts_of_material(body, f" of the {role}")
-    sizes = np.asarray(contact.diameter)
-    if np.any(sizes > LARGEST):
-        yield f"the diameter, {sizes.max():.3g} m, is above 5 mm"
-    if np.any(sizes < SMALLEST):
-        yield f"the diameter, {sizes.min():.3g} m, is below 1 nm"
+        yield from implausible(getattr(contact, role), f"{role}: ")
+    yield from implausible(contact)
     if np.all(np.isinf(capture_velocity(contact))):
         yield "no sphere leaves this contact at any speed: it is overdamped"
     if compression is not None:

@@ -16,6 +16,8 @@ import scipy
 from microimpact.core import ensemble
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Numbers, Range, checked
 from microimpact.core.nearest import nearest
+from microimpact.core.readable import Readable
+from microimpact.model.choices import INTERVAL
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.contact_laws import RING_FORCE
 from microimpact.model.dynamics.normal import normal_impact
@@ -74,8 +76,8 @@ class NoConvergenceError(RuntimeError):
     """The chains have not come together."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Calibration:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Calibration(Readable):
     """Contacts that data admit; ``str(calibration)`` is a summary.
 
     Attributes
@@ -105,15 +107,21 @@ class Calibration:
     effective_size: float
     split_r_hat: Mapping[str, float]
 
-    def __str__(self) -> str:
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Reasons not to trust the draws, in sentences."""
+        return self.misfit.warnings
+
+    def summary(self) -> str:
+        """Misfit, state of the sampler and range of each free field, as text."""
         lines = [
             f"{self.log_likelihood.size} draws; {self.misfit}; acceptance {self.acceptance:.2f}, "
             f"effective size {self.effective_size:.0f}"
         ]
         for name in self.free:
-            low, middle, high = np.quantile(getattr(self.contact, name), [0.05, 0.5, 0.95])
+            low, middle, high = np.quantile(getattr(self.contact, name), INTERVAL)
             lines.append(
-                f"{name} {middle:.4g} [{low:.4g}, {high:.4g}] (median, 5 to 95 %), "
+                f"{name} {middle:.4g} [{low:.4g}, {high:.4g}] (median, 95 %), "
                 f"split R-hat {self.split_r_hat[name]:.3f}"
             )
         return "\n".join(lines)

@@ -59,6 +59,22 @@ def integral(log_weights: FloatArray, tried: int) -> Integral:
     return Integral(top + float(np.log(np.sum(weights) / tried)), float(error), size)
 
 
+def drawn_size(effective_size: float, draws: int) -> float:
+    """Return how many independent draws a share over resampled points is worth.
+
+    The variance of a share p is ``p (1 - p)/n_eff``, of the weighted points, and that of drawing
+    again from them, no more than ``p (1 - p)/m`` for m draws of equal weight.
+
+    Parameters
+    ----------
+    effective_size
+        Of the weights (Kish), n_eff.
+    draws
+        Drawn in proportion to them, m.
+    """
+    return 1.0 / (1.0 / effective_size + 1.0 / draws)
+
+
 def pool(
     compute: Callable[[FloatArray], Record],
     log_densities: Callable[[Record], FloatArray],

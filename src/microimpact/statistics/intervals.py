@@ -48,7 +48,7 @@ def mean_and_error(values: FloatArray | BoolArray) -> tuple[float, float]:
     return mean, float(np.std(values, ddof=1) / np.sqrt(n)) if n > 1 else float("nan")
 
 
-def wilson_interval(part: int, whole: int) -> tuple[float, float]:
+def wilson_interval(part: float, whole: float) -> tuple[float, float]:
     """Ends of the 95 % interval of a share by Wilson's score.
 
     SciPy's `scipy.stats.binomtest` gives the same, and takes half a second to import.
@@ -56,7 +56,7 @@ def wilson_interval(part: int, whole: int) -> tuple[float, float]:
     Parameters
     ----------
     part, whole
-        Number of cases counted, and of all cases, at least 1.
+        Number of cases counted, and of all cases; of weighted ones their effective numbers.
     """
     from scipy.special import ndtri
 

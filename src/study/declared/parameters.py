@@ -125,12 +125,18 @@ def _text(value: Any) -> str:
     return repr(value) if isinstance(value, str) else f"{value:g}"
 
 
+# Of a curve.
+Points = Annotated[int, Field(ge=5, le=100_000)]
 MaterialName = Annotated[Name, Names("materials")]
 # The surface of a pair whose adhesion and damping are declared, beside the particle.
 CounterpartName = Annotated[Name, Names("contacts", beside="particle"), Names("materials")]
 CaseName = Annotated[Name, Names("cases")]
 PrintedName = Annotated[Name, Names("printed_values")]
 ExternalName = Annotated[Name, Names("external")]
+# Of contacts drawn by the inference.
+InferredName = Annotated[Name, Names("inference.pairs")]
+ScenarioName = Annotated[Name, Names("scenarios")]
+LawName = Annotated[Name, Names("laws")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +146,7 @@ class Stream:
     name: str
 
 
-Seed = Annotated[int, Field(ge=0)]
+Seed = Annotated[int, Field(ge=0, lt=2**63)]
 # Experiments are drawn by what they are: the same one gives the same number in every analysis.
 ExperimentSeed = Annotated[int, Field(ge=0), Stream("experiments")]
 

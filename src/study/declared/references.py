@@ -93,8 +93,8 @@ class Resolver:
         self.problems: list[str] = []
         self.rows: list[Declared] = []
         self.aliases: dict[str, str] = {}
-        self._sections = frozenset(sections)
-        self._elsewhere: set[str] = set()
+        self._laboratory = frozenset(sections)
+        self._sections = set(sections)  # All that can be referred to
         self._nodes = {
             str(key): self._parsed(node, shipped.get(key), str(key)) for key, node in config.items()
         }
@@ -114,27 +114,35 @@ class Resolver:
     def declare(self, section: str, names: Mapping[str, Any]) -> None:
         """Add a section of declared tables, by the name that references use."""
         self._nodes[section] = dict(names)
-        self._elsewhere.add(section)
+        self._sections.add(section)
 
     def unused(self) -> list[str]:
         """Return the places of the sections that no resolved value comes from."""
         used = {row.origin.partition("[")[0] for row in self.rows}
-        every = {place for name in self._sections for place in _places(self._nodes.get(name))}
+        every = {place for name in self._laboratory for place in _places(self._nodes.get(name))}
         return sorted(every - used)
 
-    def _parsed(self, node: Any, base: Any, key: str) -> Any:
-        """Return a node with its values as `Declared` and its references as `_Reference`."""
+    def _parsed(self, node: Any, base: Any, key: str, places: str = "") -> Any:
+        """Return a node with its values as `Declared` and its references as `_Reference`.
+
+        Parameters
+        ----------
+        base
+            The same node as shipped.
+        key
+            Dotted key of both.
+        places
+            What a reference names, if the node stands beside it.
+        """
         if is_reference(node):
-            places = node[FROM] if isinstance(node[FROM], list) else [node[FROM]]
-            beside = {name: child for name, child in node.items() if name != FROM}
-            shipped = {n: c for n, c in base.items() if n != FROM} if is_reference(base) else None
-            if is_declaration(beside):
-                override: Any = self._declared(beside, shipped, key, reference=str(places))
-            else:
-                override = self._parsed(beside, shipped, key) if beside else None
-            return _Reference(tuple(map(str, places)), override, key)
+            named = node[FROM] if isinstance(node[FROM], list) else [node[FROM]]
+            beside, shipped = _beside(node), _beside(base) if is_reference(base) else None
+            override = self._parsed(beside, shipped, key, str(named)) if beside else None
+            return _Reference(tuple(map(str, named)), override, key)
         if is_declaration(node):
-            return self._declared(node, base, key)
+            malformed = [f"{key}{line}" for line in problems(node, places or None)]
+            self.problems += malformed
+            return _absent(key) if malformed else as_declared(node, base, key)
         if isinstance(node, Mapping):
             before = base if isinstance(base, Mapping) else {}
             return {
@@ -146,19 +154,17 @@ class Resolver:
             return [self._parsed(c, items.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
         return as_declared(node, base, key)
 
-    def _declared(self, node: Any, base: Any, key: str, reference: str | None = None) -> Declared:
-        malformed = [f"{key}{line}" for line in problems(node, reference)]
-        self.problems += malformed
-        return (
-            Declared(None, "user", "malformed", key) if malformed else as_declared(node, base, key)
-        )
-
     def _plain(self, kind: Shape, node: Any, key: str) -> Any:
         """Return the plain values of a node, and record the place of each."""
         if isinstance(node, _Reference):
-            node = self._dereferenced(kind, node, key)
+            node = self._wanted(kind, node, key)
         if isinstance(node, Declared):
-            return self._recorded(kind, node, key)
+            if node.value == [] and kind.is_numbers:
+                self.problems.append(f"{node.origin}: [] must hold at least one number")
+            self.rows += node.rows(key)
+            if node.origin != key:
+                self.aliases[key] = node.origin
+            return node.value
         if isinstance(node, list):
             return [self._plain(kind.item, item, f"{key}[{i}]") for i, item in enumerate(node)]
         if not isinstance(node, dict):
@@ -175,14 +181,6 @@ class Resolver:
             for name, child in node.items()
         }
 
-    def _recorded(self, kind: Shape, node: Declared, key: str) -> Any:
-        if node.value == [] and kind.is_numbers:
-            self.problems.append(f"{node.origin}: [] must hold at least one number")
-        self.rows += node.rows(key)
-        if node.origin != key:
-            self.aliases[key] = node.origin
-        return node.value
-
     def _seed(self, stream: str, key: str) -> Any:
         """Return the seed of an analysis without its own, from the root seed and a name."""
         root = self._nodes.get(SEED)
@@ -193,84 +191,74 @@ class Resolver:
         source = f"from the root seed, {root.value}, and the name {stream!r}"
         return Declared(value, "derived", source, f"{key}.{SEED}")
 
-    def _dereferenced(self, kind: Shape, node: _Reference, key: str) -> Any:
-        """Return the fields of the places that a parameter of some kind has, overrides merged."""
-        base, field = self._referenced(node), key.rpartition(".")[2]
+    def _wanted(self, kind: Shape, node: _Reference, key: str) -> Any:
+        """Return the field of a reference that bears its key, or those that a kind has."""
+        base, field = self._named(node), key.rpartition(".")[2]
         if isinstance(base, dict) and field in base:
             base = base[field]
             if isinstance(base, _Reference):
-                base = self._dereferenced(kind, base, key)
+                base = self._wanted(kind, base, key)
         elif isinstance(base, dict):
-            wanted = kind.fields(base.get(KIND))
-            chosen = {name: child for name, child in base.items() if name in wanted}
+            fields = kind.fields(base.get(KIND))
+            chosen = {name: child for name, child in base.items() if name in fields}
             if not chosen:
                 line = f"{node.key}.{FROM}: no {field} in {' or '.join(node.places)}"
                 self.problems.append(f"{line}{nearest(field, base)}")
             base = chosen or _absent(node.key)
         return self._overlaid(base, node.beside)
 
-    def _referenced(self, node: _Reference, opened: tuple[str, ...] = ()) -> Any:
-        """Merge the mappings at the places of a reference; the first place goes before."""
+    def _named(self, node: _Reference, opened: tuple[str, ...] = ()) -> Any:
+        """Return the target of a reference: several mappings merged, the first goes before."""
         nodes = []
         for path in node.places:
             if path in opened:
                 self.problems.append(f"{node.key}.{FROM}: {path!r} refers to itself")
                 return _absent(node.key)
-            target = self._looked_up(path, node.key)
-            if isinstance(target, _Reference):
-                below = self._referenced(target, (*opened, path))
-                target = self._overlaid(below, target.beside)
-            nodes.append(target)
-        if all(isinstance(target, dict) for target in nodes):
-            return {name: child for target in reversed(nodes) for name, child in target.items()}
-        return next(target for target in nodes if not isinstance(target, dict))
+            nodes.append(self._at(path, node.key, (*opened, path)))
+        if all(isinstance(each, dict) for each in nodes):
+            return {name: child for each in reversed(nodes) for name, child in each.items()}
+        return next(each for each in nodes if not isinstance(each, dict))
 
-    def _looked_up(self, path: str, key: str) -> Any:
-        """Return the node at a dotted place; names may hold dots."""
-        section, _, rest = path.partition(".")
-        part, known = (
-            section,
-            {name: self._nodes.get(name) for name in self._sections | self._elsewhere},
-        )
-        node = known.get(section)
-        while node is not None and rest:
-            if isinstance(node, _Reference):
-                node = self._overlaid(self._referenced(node), node.beside)
+    def _at(self, path: str, key: str, opened: tuple[str, ...]) -> Any:
+        """Return the node at a dotted place, references on the way opened; names may hold dots."""
+        node: Any = {name: self._nodes[name] for name in self._sections if name in self._nodes}
+        rest = path
+        while rest:
             known = node if isinstance(node, dict) else {}
             name = max((n for n in known if f"{rest}.".startswith(f"{n}.")), key=len, default=None)
-            part = rest
-            node, rest = (known[name], rest[len(name) + 1 :]) if name else (None, "")
-        if node is None:
-            self.problems.append(f"{key}.{FROM}: {path!r} is not declared{nearest(part, known)}")
-            return _absent(key)
+            if name is None:
+                near = nearest(rest.partition(".")[0], known)
+                self.problems.append(f"{key}.{FROM}: {path!r} is not declared{near}")
+                return _absent(key)
+            node, rest = known[name], rest[len(name) + 1 :]
+            if isinstance(node, _Reference):
+                node = self._overlaid(self._named(node, opened), node.beside)
         return node
 
     def _overlaid(self, below: Any, above: Any) -> Any:
-        """Merge the override over the referenced value."""
+        """Merge the keys beside a reference over its target."""
         if above is None or below is None:
             return below if above is None else above
-        if isinstance(above, Declared):
-            kept = above.is_kept and isinstance(below, Declared)
-            return replace(above, value=below.value) if kept else self._overriding(above, below)
-        if isinstance(above, dict):
-            return self._overlaid_fields(below, above)
-        return above
-
-    def _overlaid_fields(self, below: Any, above: dict[str, Any]) -> Any:
-        if KIND in above:
+        if isinstance(above, dict) and KIND not in above:
+            return self._fields(below, above)
+        if isinstance(above, dict):  # a distribution is replaced as a whole
             return {name: self._overriding(child, below) for name, child in above.items()}
+        return self._overriding(above, below)
+
+    def _fields(self, below: Any, above: dict[str, Any]) -> Any:
         if isinstance(below, _Reference):
             return replace(below, beside=self._overlaid(below.beside, above))
         if isinstance(below, dict):
-            laid = {name: self._overlaid(below.get(name), child) for name, child in above.items()}
-            return {**below, **laid}
-        keys = (place for place in _places(above) if below.source != NOTHING)
-        self.problems += [f"{place}: unknown key" for place in keys]
+            return below | {n: self._overlaid(below.get(n), child) for n, child in above.items()}
+        if below.source != NOTHING:
+            self.problems += [f"{place}: unknown key" for place in _places(above)]
         return below
 
     def _overriding(self, above: Any, below: Any) -> Any:
         """Record in a value of an analysis the value of the laboratory that it replaces."""
-        if not isinstance(above, Declared) or above.origin.partition(".")[0] in self._sections:
+        if isinstance(above, Declared) and above.is_kept and isinstance(below, Declared):
+            return replace(above, value=below.value)
+        if not isinstance(above, Declared) or above.origin.partition(".")[0] in self._laboratory:
             return above
         if isinstance(below, Declared):
             overridden = f"{below.origin} = {as_text(below.value)}"
@@ -278,6 +266,11 @@ class Resolver:
             overridden = ", ".join(below.places) if isinstance(below, _Reference) else ""
             overridden = overridden or next(_places(below), "").rpartition(".")[0]
         return replace(above, overrides=overridden)
+
+
+def _beside(reference: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the keys of a reference besides its places."""
+    return {name: child for name, child in reference.items() if name != FROM}
 
 
 def _absent(key: str, value: object = None) -> Declared:

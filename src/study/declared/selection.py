@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +30,15 @@ EXTERNAL_COLUMNS = (
     *("name", "quantity", "reading", "at", "at_unit"),
     *("value", "low", "high", "unit", "reading_error", "evidence", "source"),
 )
-TABLES = ("materials", "contacts", "printed_values", "external")
+# The declared tables, and the columns whose texts name a row.
+TABLES = {
+    "materials": ("material",),
+    "contacts": ("particle", "surface"),
+    "printed_values": ("key",),
+    "external": ("name",),
+}
+# What a table is called in a study, where that is not the name of its file.
+IN_STUDIES = {"printed_values": "printed"}
 _BOUNDED = ("value", "low", "high")
 # Columns of numbers that may be empty; so may a value beside both ends.
 _OPTIONAL = {"low", "high", "at", "reading_error"}
@@ -208,13 +217,8 @@ class DeclaredTables:
 
     def names(self) -> dict[str, tuple[str, set[str]]]:
         """Return the names that can be referred to, by sort: their file, and the names."""
-        sorts = {
-            "materials": (self.materials, ("material",)),
-            "contacts": (self.contacts, ("particle", "surface")),
-            "printed_values": (self.printed_values, ("key",)),
-            "external": (self.external, ("name",)),
-        }
-        return {sort: (table.path, table.known(*by)) for sort, (table, by) in sorts.items()}
+        tables = {name: getattr(self, name) for name in TABLES}
+        return {name: (each.path, each.known(*TABLES[name])) for name, each in tables.items()}
 
     def named(
         self, named: Iterable[tuple[str, str]], bodies: Mapping[str, tuple[str, str]]
@@ -228,22 +232,18 @@ class DeclaredTables:
         bodies
             Materials of particle and surface of each calibrated case.
         """
-        wanted: dict[str, dict[str, None]] = {}
+        wanted = defaultdict[str, set[str]](set)
         for sort, name in named:
             if sort == "cases":  # or a declared pair by its name
-                wanted.setdefault("materials", {}).update(
-                    dict.fromkeys(bodies.get(name) or name.split(" on "))
-                )
-                wanted.setdefault("contacts", {})[name] = None
+                wanted["materials"].update(bodies.get(name) or name.split(" on "))
+                wanted["contacts"].add(name)
             else:
-                wanted.setdefault(sort, {})[name] = None
-        tables = {
-            "materials": self.materials.where(wanted.get("materials", ()), "material"),
-            "contacts": self.contacts.where(wanted.get("contacts", ()), "particle", "surface"),
-            "printed": self.printed_values.where(wanted.get("printed_values", ()), "key"),
-            "external": self.external.where(wanted.get("external", ()), "name"),
+                wanted[sort].add(name)
+        rows = {
+            IN_STUDIES.get(name, name): getattr(self, name).where(wanted[name], *by)
+            for name, by in TABLES.items()
         }
-        return {name: text for name, text in tables.items() if text.count("\n") > 1}
+        return {name: text for name, text in rows.items() if text.count("\n") > 1}
 
     def of_pair(self, particle: str, surface: str) -> dict[str, str]:
         """Return the rows of a pair and of its materials, as `named` does."""

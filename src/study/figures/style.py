@@ -450,7 +450,9 @@ def legend_above(
 ) -> None:
     """Name every line and mark of some axes once, above all panels or where ``loc`` says."""
     entries = _entries(axes)
-    columns = columns or _columns(figure, entries)
+    room = _columns(figure, entries)
+    # The estimate is cautious: one column more than it allows has been seen to fit.
+    columns = min(columns or room, room + 1)
     look = {"loc": "outside upper center", "ncols": columns, **look}
     figure.legend(entries.values(), entries.keys(), **look)
 

@@ -101,11 +101,15 @@ def judged(
 def with_contacts(
     table: pd.DataFrame, changes: Mapping[ContactProperty, float | str]
 ) -> pd.DataFrame:
-    """Multiply properties of the contacts of a table by factors, or replace their basis."""
+    """Multiply properties of the contacts of a table by factors, or replace their basis.
+
+    Contacts by a law without the property are left out.
+    """
     table = table.copy()
     for name, change in changes.items():
         column = COLUMNS[name]
         if column in table:
+            table = table[table[column].notna()].copy()
             table[column] = change if isinstance(change, str) else table[column] * change
         elif "role" in table and not isinstance(change, str):
             rows = (table["role"] == "parameter") & (table["quantity"] == name)

@@ -6,11 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from study import studies
-from study.declared.selection import TABLES
+from study.declared.selection import IN_STUDIES, TABLES
 from study.run.config import Settings
-
-# Names of the declared tables in a study, where they are not those of the files.
-_IN_STUDIES = {"printed_values": "printed"}
 
 
 def changed_inputs(used: Settings, shipped: Settings) -> dict[str, dict[str, str]]:
@@ -86,7 +83,7 @@ def _rows(name: str, used: Settings, shipped: Settings) -> dict[str, str]:
     for table in TABLES:
         as_used, as_shipped = getattr(used.tables, table), getattr(shipped.tables, table)
         if as_used.rows != as_shipped.rows:
-            text = used.rows[name].get(_IN_STUDIES.get(table, table), "")
+            text = used.rows[name].get(IN_STUDIES.get(table, table), "")
             for line in set(text.splitlines()) - set(as_shipped.text().splitlines()):
                 rows[f"{name}.{table}.{line}"] = f"{table}.{line.partition(',')[0]}"
     return rows

@@ -12,19 +12,20 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, make_dataclass
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, get_args, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
-from pydantic import Field, ValidationError
+from pydantic import ValidationError
 
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
+from microimpact.core.plausible import implausible
 from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
-from microimpact.model.plausibility import LARGEST, SMALLEST, doubt_of_input, doubts_of_material
+from microimpact.model.plausibility import doubt_of_input
 from microimpact.statistics.distributions import SampleFile, TruncatedNormal
 from study import studies
 from study.declared.documents import ConfigError, load, located
-from study.declared.parameters import Known, Name, adapter, build, explain
+from study.declared.parameters import Known, Name, Seed, adapter, build, explain
 from study.declared.provenance import Declared, unit_of
 from study.declared.references import Resolver, merged
 from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
@@ -45,7 +46,7 @@ class Pathvars:
 class General:
     """Top-level keys that belong to no single analysis."""
 
-    seed: Annotated[int, Field(ge=0)]
+    seed: Seed
     materials: Name
     contacts: Name
     printed_values: Name
@@ -137,7 +138,7 @@ def validate(
     resolver.declare("printed", tables.printed())
     resolver.declare("contacts", tables.pairs())
     cases = [*config["cases"], *tables.contacts.known("particle", "surface")]
-    check.known = Known({**tables.names(), "cases": ("cases", cases)})
+    check.known = Known({**tables.names(), "cases": ("cases", cases), **_inferred(config)})
     laboratory = check.sections(Laboratory, SECTIONS)
     stands = {row.key: row.origin or row.key for row in resolver.rows}
     resolver.rows = shown
@@ -163,8 +164,9 @@ def validate(
     dropped = ("impact", *(f"drops.{name}" for name in laboratory.drops))
     used |= {stands[f"{drop}.{body}"] for drop in dropped for body in _BODIES}
     unused = tuple(key for key in resolver.unused() if key not in used)
-    changed = () if only else {change.key for change in changes(config, base)}
-    _refuse(f"{key}: changes nothing: no analysis names it" for key in unused if key in changed)
+    if not only:
+        used |= {row.origin for row in resolver.rows}
+        _refuse(_idle(unused, used, base, {change.key for change in changes(config, base)}))
     return Settings(
         general=general,
         tables=tables,
@@ -215,6 +217,41 @@ class _Check:
         except ValidationError as error:
             self.problems += explain(error, kind, "", self.resolver.aliases)
             return None
+
+
+def _inferred(config: Mapping[str, Any]) -> dict[str, tuple[str, set[str]]]:
+    """Return the names of pairs, scenarios and laws of the inference, where they are declared."""
+    pairs = _entries(_entries(config.get("inference")).get("pairs"))
+    names = {
+        sort: (
+            f"inference.pairs.{sort}",
+            {n for each in pairs.values() for n in _entries(each).get(sort) or ()} | beyond,
+        )
+        for sort, beyond in (("scenarios", set[str]()), ("laws", {"all laws"}))
+    }
+    return names | {"inference.pairs": ("inference.pairs", set(pairs))}
+
+
+def _idle(
+    unused: Iterable[str], used: Iterable[str], base: Mapping[str, Any], changed: Collection[str]
+) -> Iterator[str]:
+    """Yield a line for each changed key that no analysis names.
+
+    A new entry that one does name may say more of itself than is asked for.
+    """
+    named = {entry for entry in map(_entry, used) if entry[-1] not in _entries(base.get(entry[0]))}
+    for key in unused:
+        if key in changed and _entry(key) not in named:
+            yield f"{key}: changes nothing: no analysis names it"
+
+
+def _entry(key: str) -> tuple[str, ...]:
+    """Return section and name of the entry of the laboratory that a key is of."""
+    return tuple(key.split(".")[:2])
+
+
+def _entries(node: object) -> Mapping[str, Any]:
+    return node if isinstance(node, Mapping) else {}
 
 
 def _contradictions(
@@ -363,7 +400,7 @@ def read_inputs(settings: Settings, changed: Mapping[str, object] = AS_SHIPPED) 
     wrong = [
         f"{general.materials}: {name}: {line}"
         for name, material in materials.items()
-        for line in doubts_of_material(material)
+        for line in implausible(material)
     ]
     wrong += [
         f"{general.contacts}: {line}"
@@ -412,9 +449,6 @@ def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]
 
 def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:
     try:
-        contact = pair_contact(*pair, materials, pairs)
-        if not SMALLEST <= contact.diameter <= LARGEST:
-            allowed = f"from {SMALLEST:g} to {LARGEST:g} m"
-            raise ValueError(f"diameter {contact.diameter:.3g} m must be {allowed}")
+        yield from implausible(pair_contact(*pair, materials, pairs), f"{pair[0]} on {pair[1]}: ")
     except ValueError as error:
         yield f"{pair[0]} on {pair[1]}: {error}"

@@ -61,9 +61,9 @@ def run_study(
     """
     if name not in studies.homes():
         raise ValueError(f"{name!r} is no study{nearest(str(name), studies.homes())}")
-    for table, frame in (tables or {}).items():
-        if not hasattr(frame, "columns"):
-            raise ValueError(f"{table}: must be a table of a study; parameters are keywords")
+    frames: Any = tables or {}
+    if not isinstance(frames, Mapping) or not all(hasattr(t, "columns") for t in frames.values()):
+        raise ValueError(f"{tables!r} must be tables of studies by name; parameters are keywords")
     parameters = {field.name for field in fields(studies.study(name).Params)}
     for key in changes:
         if key in SECTIONS and key not in parameters:

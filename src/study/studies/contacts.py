@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pandas as pd
+from annotated_types import Ge, Le
 
 from microimpact.core.arrays import Real
 from microimpact.core.materials import Material, materials_from_rows
@@ -16,7 +17,7 @@ from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact, resized
 from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
-from study.declared.parameters import Name
+from study.declared.parameters import InferredName, LawName, ScenarioName
 from study.declared.selection import IMPACT
 from study.tables import NOT_COMPUTED, NotComputedError, Tables
 
@@ -34,6 +35,8 @@ DRAWN = {
 
 # Laws of contact.
 Kind = Literal["ring force", "jkr", "thornton-ning", "hysteresis"]
+# A speed far above capture, in capture velocities.
+PlateauRatio = Annotated[float, Ge(2), Le(1000)]
 # Printed numbers have two or three digits.
 DIGITS = 0.01
 CAPTURE_VELOCITIES = (
@@ -113,22 +116,21 @@ BAND = (0.05, 0.5, 0.95)
 class Posterior:
     """Contacts drawn from a posterior: those of a case, scenario and law of the inference."""
 
-    case: Name
-    scenario: Name
-    law: Name
+    case: InferredName
+    scenario: ScenarioName
+    law: LawName
 
 
-def posterior_rows(inputs: Tables, posterior: Posterior) -> pd.DataFrame:
-    """Return the rows of ``posterior_contacts`` that are of a posterior.
+def posterior_rows(inputs: Tables, case: str, scenario: str, law: str = "") -> pd.DataFrame:
+    """Return the rows of ``posterior_contacts`` of a case and scenario, of one law or of all.
 
     Raises ValueError if there are none; the message names the nearest.
     """
     table = inputs["posterior_contacts"]
-    for column in ("case", "scenario", "law"):
-        name = getattr(posterior, column)
-        if name not in set(table[column]):
+    for column, name in {"case": case, "scenario": scenario, "law": law}.items():
+        if name and name not in set(table[column]):
             raise ValueError(f"no contacts of {column} {name!r}{nearest(name, set(table[column]))}")
-        table = table[table[column] == name]
+        table = table[table[column] == name] if name else table
     return table
 
 
@@ -183,7 +185,7 @@ def posterior_beside(
     dict
         One contact of arrays for each normal force in Coulomb's law that some were drawn with.
     """
-    rows = posterior_rows(inputs, posterior)
+    rows = posterior_rows(inputs, posterior.case, posterior.scenario, posterior.law)
     if pair_of({"calibration": rows}, posterior.case) != pair_of(inputs, case):
         return {}
     contacts = {}

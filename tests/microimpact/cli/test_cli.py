@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+import shlex
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -173,17 +174,6 @@ def test_an_overdamped_contact_never_rebounds(microimpact):
     assert "overdamped" in as_json.stderr
 
 
-def test_captured_impact_prints_an_infinite_contact_time(answered):
-    values = answered("simulate", *STEEL, "--speed", "0.05")["outputs"]
-    assert values["captured"] is True
-    assert values["contact_time"] is None
-
-
-def test_an_undeclared_pair_works_with_its_numbers_given(microimpact):
-    numbers = ("--work-of-adhesion", "0.2", "--hertz-damping", "0", "--adhesion-damping", "0.3")
-    assert microimpact("simulate", *UNDECLARED, *numbers, "--speed", "1").returncode == 0
-
-
 def test_a_contact_needs_no_package_of_the_study():
     absent = "sys.modules |= dict.fromkeys(('pandas', 'pydantic', 'yaml', 'matplotlib'))"
     command = ["microimpact", "capture", *STEEL]
@@ -200,65 +190,92 @@ def test_materials_lists_materials_and_pairs(microimpact, answered):
     assert {"particle", "surface", "friction"} <= set(listed["pairs"][0])
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("simulate", "--particle", "steel", "--surface", "silicon", "--speed", "1"), "'steel'"),
+STEEL_TEXT, UNDECLARED_TEXT = " ".join(STEEL), " ".join(UNDECLARED)
+# A command line, and words of the one line that refuses it.
+REFUSED = [
+    ("fly", "fly"),
+    ("claim C58 --results nowhere", "nowhere: no such folder"),
+    ("fit nowhere.csv", "nowhere.csv: No such file or directory"),
+    ("simulate --speed 1", "give --particle and --surface, or --contact"),
+    ("simulate --contact nowhere.json --speed 1", "nowhere.json: No such"),
+    ("simulate --particle steel --surface silicon --speed 1", "'steel'"),
+    (
+        "simulate --particle silicon --surface stainless-steel-316 --speed 1",
+        "(did you mean 'stainless-steel-316 on silicon'?)",
+    ),
+    (
+        f"simulate {UNDECLARED_TEXT} --speed 1",
+        "is not declared; give --work-of-adhesion, --hertz-damping, --adhesion-damping",
+    ),
+    (
+        "capture --particle clay --surface silicon --particle-density 2000",
+        "give --particle-youngs-modulus-gpa, --particle-poissons-ratio",
+    ),
+    (f"capture {' '.join(FLUORESCEIN)} --adhesion-rate-exponent 1", "reference_velocity"),
+    ("fit own.csv --unit mph", "unit must be one of"),
+    ("fit own.csv --sigma 0.02", "sigma stands in the file"),
+    (
+        "fit own.csv --sigma-v '2 percent'",
+        "--sigma-v must be as '1.5%' or a number in m/s, got '2 perc",
+    ),
+    (
+        "fit own.csv --size-scatter 7",
+        "--size-scatter must be as '7%' or 'free', got '7'",
+    ),
+    ("fit own.csv --confidence 95", "confidence must be"),
+    ("fit own.csv --plot x.bmp", "plot must end in"),
+] + [
+    (f"{command} {STEEL_TEXT} {options}", words)
+    for command, options, words in (
+        ("simulate", "--speed -1", "speed must be finite and in (0, 2.99792e+08), got -1"),
+        ("simulate", "--speed nan", "speed"),
+        ("simulate", "--speed abc", "abc"),
+        ("simulate", "--speed 1 --angle 91", "angle"),
+        ("simulate", "--speed 1 --friction-basis x", "'--friction-basis'"),
+        ("simulate", "--speed 1 --tangential x", "'--tangential'"),
+        ("simulate", "--speed 1,5", "first:last:count"),
+        ("simulate", "--speed 1:2", "first:last:count"),
+        ("simulate", "--speed 1:2:0", "the count from 1 to 1000000"),
+        ("simulate", "--speed 1 --contact nowhere.json", "nowhere.json: No such"),
+        ("capture", "--materials nowhere.csv", "nowhere.csv"),
+        ("capture", "--ring-force 3 --work-of-adhesion 1", "got both"),
+        ("capture", "--diameter-um 0", "diameter"),
+        ("capture", "--friction -0.1", "friction"),
+        ("capture", "--particle-density -8", "--particle 'stainless-steel-316': density"),
+        ("capture", "--law thornton-ning", "give --yield-pressure-gpa"),
+        ("capture", "--law jkr --unloading-work 1", "that is of 'hysteresis'"),
+        ("capture", "--viscous-time-ns 1", "law 'ring force' does not know viscous_time"),
+        ("capture", "--law jkr --hertz-damping 1", "leave out --hertz-damping"),
+        ("export", "--format matlab", "'--format'"),
+        ("export", "--fastest 0.01", "fastest must be above the capture velocity"),
+        ("export", "--fastest -1", "fastest must be"),
+        ("export", "--fastest 1e9", "fastest must be"),
+        ("export", "--tolerance 0", "tolerance must be"),
+        ("export", "--tolerance 10", "tolerance must be finite and in (0, 1), got 10"),
+        ("export", "--friction-basis all", "'--friction-basis'"),
+        ("calibrate", "", "give either DATA, or --at-speed, --restitution, --capture-velocity"),
         (
-            ("simulate", *UNDECLARED, "--speed", "1"),
-            "is not declared; give --work-of-adhesion, --hertz-damping, --adhesion-damping",
+            "calibrate",
+            "--restitution 0.7 --at-speed 1.66",
+            "without DATA give --capture-velocity, too",
         ),
+        ("calibrate own.csv", "--restitution 0.7", "give either DATA"),
+        ("calibrate nowhere.csv", "", "nowhere.csv"),
+        ("calibrate own.csv", "--free w", "free must be among w_A, c_H, c_A, n, work_of"),
         (
-            ("simulate", *STEEL, "--speed", "-1"),
-            "speed must be finite and in (0, 2.99792e+08), got -1",
+            "calibrate",
+            "--work-of-adhesion 0.01 --restitution 0.9 --at-speed 0.3 --capture-velocity 0.18",
+            "raise the work of adhesion or the rate exponent",
         ),
-        (("simulate", *STEEL, "--speed", "nan"), "speed"),
-        (("simulate", *STEEL, "--speed", "abc"), "abc"),
-        (("simulate", *STEEL, "--speed", "1", "--angle", "91"), "angle"),
-        (("simulate", *STEEL, "--speed", "1", "--friction-basis", "x"), "'--friction-basis'"),
-        (("simulate", *STEEL, "--speed", "1", "--tangential", "x"), "'--tangential'"),
-        (("simulate", "--speed", "1"), "give --particle and --surface, or --contact"),
-        (("simulate", *STEEL, "--speed", "1,5"), "first:last:count"),
-        (("simulate", *STEEL, "--speed", "1:2"), "first:last:count"),
-        (("simulate", *STEEL, "--speed", "1:2:0"), "first:last:count"),
-        (("simulate", "--contact", "nowhere.json", "--speed", "1"), "nowhere.json"),
-        (
-            (
-                "simulate",
-                "--particle",
-                "silicon",
-                "--surface",
-                "stainless-steel-316",
-                "--speed",
-                "1",
-            ),
-            "(did you mean 'stainless-steel-316 on silicon'?)",
-        ),
-        (
-            ("capture", "--particle", "clay", "--surface", "silicon", "--particle-density", "2000"),
-            "give --particle-youngs-modulus-gpa, --particle-poissons-ratio",
-        ),
-        (("capture", *STEEL, "--materials", "nowhere.csv"), "nowhere.csv"),
-        (("capture", *STEEL, "--ring-force", "3", "--work-of-adhesion", "1"), "got both"),
-        (("capture", *FLUORESCEIN, "--adhesion-rate-exponent", "1"), "reference_velocity"),
-        (("capture", *STEEL, "--diameter-um", "0"), "diameter"),
-        (("capture", *STEEL, "--friction", "-0.1"), "friction"),
-        (("fit", "nowhere.csv"), "nowhere.csv: No such file or directory"),
-        (("fly",), "fly"),
-        (("claim", "C58", "--results", "nowhere"), "nowhere: no such folder"),
-        (("simulate", *STEEL, "--speed", "1:2:0"), "the count from 1 to 1000000"),
-        (
-            ("capture", *STEEL, "--particle-density", "-8"),
-            "--particle 'stainless-steel-316': density",
-        ),
-        (
-            ("simulate", *STEEL, "--contact", "nowhere.json", "--speed", "1"),
-            "nowhere.json: No such",
-        ),
-    ],
-)
-def test_bad_input_ends_with_one_clear_line(microimpact, arguments, words):
-    require_refusal(microimpact(*arguments), words)
+    )
+]
+
+
+@pytest.mark.parametrize(("line", "words"), REFUSED)
+def test_bad_input_ends_with_one_clear_line(microimpact, own_data, monkeypatch, line, words):
+    monkeypatch.chdir(own_data.parent)
+    require_refusal(microimpact(*shlex.split(line)), words)
+    assert [*own_data.parent.iterdir()] == [own_data]
 
 
 @pytest.mark.parametrize(
@@ -320,35 +337,6 @@ def test_export_of_several_sizes_and_another_law(microimpact, answered, tmp_path
     assert "law jkr, viscous_time = 1e-10" in text
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--law", "thornton-ning"), "give --yield-pressure-gpa"),
-        (("--law", "jkr", "--unloading-work", "1"), "that is of 'hysteresis'"),
-        (("--viscous-time-ns", "1"), "law 'ring force' does not know viscous_time"),
-        (("--law", "jkr", "--hertz-damping", "1"), "leave out --hertz-damping"),
-    ],
-)
-def test_a_law_takes_its_own_parameters_alone(microimpact, options, message):
-    require_refusal(microimpact("capture", *STEEL, *options), message)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--format", "matlab"), "'--format'"),
-        (("--fastest", "0.01"), "fastest must be above the capture velocity"),
-        (("--fastest", "-1"), "fastest must be"),
-        (("--fastest", "1e9"), "fastest must be"),
-        (("--tolerance", "0"), "tolerance must be"),
-        (("--friction-basis", "all"), "'--friction-basis'"),
-    ],
-)
-def test_export_refuses_and_writes_nothing(microimpact, tmp_path, options, message):
-    require_refusal(microimpact("export", *STEEL, "-o", str(tmp_path / "law"), *options), message)
-    assert not (tmp_path / "law").exists()
-
-
 @pytest.fixture
 def own_data(tmp_path):
     """Rebounds of the constant loss e = 0.9 sqrt(1 - (0.8/v)^2), some captured."""
@@ -370,23 +358,6 @@ def test_fit_prints_draws_and_writes_json(microimpact, answered, own_data, tmp_p
     assert f"v_c = {found['v_c']:.4g} m/s, 95 %: {low:.4g} to {high:.4g} m/s" in text
     assert "weight" in text
     assert plot.read_text(encoding="utf-8").startswith("<?xml")
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--unit", "mph"), "unit must be one of"),
-        (("--sigma", "0.02"), "sigma stands in the file"),
-        (("--sigma-v", "2 percent"), "--sigma-v must be as '1.5%' or a number in m/s, got '2 perc"),
-        (("--size-scatter", "7"), "--size-scatter must be as '7%' or 'free', got '7'"),
-        (("--confidence", "95"), "confidence must be"),
-        (("--plot", "x.bmp"), "plot must end in"),
-    ],
-)
-def test_fit_refuses_in_one_line(microimpact, own_data, options, message):
-    done = microimpact("fit", str(own_data), *options)
-    require_refusal(done, message)
-    assert done.stderr.count("\n") == 1
 
 
 def test_a_file_of_a_spreadsheet_needs_one_option(microimpact, answered, own_data, tmp_path):
@@ -471,10 +442,13 @@ def test_a_sweep_is_a_table(microimpact, answered):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--diameter-um", "62e-6"), "below 1 nm"),
-        (("--diameter-um", "1e6"), "above 5 mm"),
-        (("--particle-youngs-modulus-gpa", "193e-9"), "is not from 1 MPa to 2000 GPa"),
-        (("--surface-density", "8"), "is not from 10 to 30000 kg/m3"),
+        (("--diameter-um", "62e-6"), "diameter = 6.2e-11 m is not from 1e-09 to 0.005 m: in um?"),
+        (("--diameter-um", "1e6"), "diameter = 1 m is not from"),
+        (("--particle-youngs-modulus-gpa", "193e-9"), "particle: youngs_modulus = 193 Pa is not"),
+        (("--surface-density", "8"), "surface: density = 8 kg/m3 is not from 10 to 30000 kg/m3"),
+        (("--work-of-adhesion", "250"), "work_of_adhesion = 250 J/m2 is not from"),
+        (("--friction", "20"), "friction = 20 is not from 0 to 3: in %?"),
+        (("--angle", "0.785"), "angle = 0.785 degrees is not from"),
         (("--hertz-damping", "30"), "overdamped"),
         (("--speed", "1000"), "most materials yield"),
         (("--yield-strength-mpa", "205"), "above 3.28e+08 Pa, 1.6 times the yield strength"),
@@ -527,7 +501,8 @@ def test_calibrated_contacts_go_from_command_to_command(microimpact, answered, t
     assert re.search(r"extrapolated to 20 um, .* by ring force", at_other_size.stderr)
     capture = answered("capture", "--contact", str(file))
     assert len(capture["outputs"]["capture_velocity"]) == 50
-    assert "5 to 95 %" in microimpact("simulate", "--contact", str(file), "--speed", "1").stdout
+    one = microimpact("simulate", "--contact", str(file), "--speed", "1").stdout
+    assert re.search("median +95 % +unit", one)
     folder = tmp_path / "law"
     assert "best of 50" in microimpact("export", "--contact", str(file), "-o", str(folder)).stdout
 
@@ -561,28 +536,6 @@ def test_two_numbers_calibrate_too(answered):
     found = answered("calibrate", *STEEL, *targets)["laws"]["ring force"]
     assert found["c_H"]["best"] == pytest.approx(0.2148, rel=1e-3)
     assert found["c_A"]["best"] == pytest.approx(1.612, rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (STEEL, "give either DATA, or --at-speed, --restitution, --capture-velocity"),
-        (
-            (*STEEL, "--restitution", "0.7", "--at-speed", "1.66"),
-            "without DATA give --capture-velocity, too",
-        ),
-        (("own.csv", *STEEL, "--restitution", "0.7"), "give either DATA"),
-        (("nowhere.csv", *STEEL), "nowhere.csv"),
-        (("nowhere.csv", *STEEL, "--free", "w"), "free must be among w_A, c_H, c_A, n, work_of"),
-        (
-            (*STEEL, "--work-of-adhesion", "0.01", "--restitution", "0.9", "--at-speed", "0.3",
-             "--capture-velocity", "0.18"),
-            "raise the work of adhesion or the rate exponent",
-        ),
-    ],
-)  # fmt: skip
-def test_calibrate_refuses_in_one_line(microimpact, arguments, message):
-    require_refusal(microimpact("calibrate", *arguments), message)
 
 
 def test_no_file_brings_a_name_that_is_code(microimpact, answered, tmp_path):

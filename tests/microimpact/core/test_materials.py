@@ -78,10 +78,10 @@ def test_a_name_that_is_code_elsewhere_is_refused(name):
 
 
 def test_properties_broadcast():
-    material = Material(**GOOD | {"density": [1.0, 2.0]})
+    material = Material(**GOOD | {"density": [1e3, 2e3]})
     assert np.shape(material.density) == (2,)
     with pytest.raises(ValueError, match=r"youngs_modulus \(3,\).*density \(2,\)"):
-        Material(**GOOD | {"density": [1.0, 2.0], "youngs_modulus": [1.0, 2.0, 3.0]})
+        Material(**GOOD | {"density": [1e3, 2e3], "youngs_modulus": [1e9, 2e9, 3e9]})
 
 
 def test_rows_become_a_material_in_si_units():

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from microimpact.statistics.importance import integral, pool
+from microimpact.core.ensemble import effective_number
+from microimpact.statistics.importance import drawn_size, integral, pool
 
 # Two far peaks of unlike weight, and a broad hill, in three dimensions.
 PEAKS = [
@@ -51,3 +52,15 @@ def test_peaks_have_their_shares(drawn):
 
 def test_what_is_nowhere_has_no_integral():
     assert integral(np.full(5, -np.inf), 5).log == -np.inf
+
+
+def test_a_share_over_points_drawn_again_varies_as_over_so_many_independent_ones():
+    rng, shares, sizes = np.random.default_rng(2), [], []
+    for _ in range(1500):
+        points = rng.random(300)
+        weights = np.exp(-3.0 * points)
+        taken = rng.choice(points, 100, p=weights / weights.sum())
+        shares.append(np.mean(taken < 0.25))
+        sizes.append(drawn_size(effective_number(weights), 100))
+    p = np.mean(shares)
+    assert np.var(shares) == pytest.approx(p * (1 - p) / np.mean(sizes), rel=0.25)

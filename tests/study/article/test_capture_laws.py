@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from microimpact import Contact, Material
 from microimpact.model.closed_forms import plastic_restitution, sticking_restitution, yield_velocity
+from study.tables import NOT_COMPUTED
 
 LAWS = ["model", "jkr", "brach_dunn_1992", "dahneke_1971"]
 MOLYBDENUM = "fluorescein-molybdenum, nominal"
@@ -49,6 +51,22 @@ def works(calibration):
     table = calibration["calibration"]
     rows = table[table["quantity"] == "work_of_adhesion"]
     return rows.set_index("case")["value"]
+
+
+@pytest.mark.parametrize(
+    ("name", "table", "key"),
+    [
+        ("capture_velocities", "capture_laws", "pair"),
+        ("restitution_fits", "restitution_fits", "case"),
+    ],
+)
+def test_a_case_without_solution_costs_its_rows_alone(run_study, calibration, name, table, key):
+    cases = calibration["calibration"]
+    unsolved = pd.DataFrame([{"case": LATEX, "role": NOT_COMPUTED, "problem": "no solution"}])
+    without = pd.concat([cases[cases["case"] != LATEX], unsolved])
+    rows = run_study(name, {**calibration, "calibration": without})[table].set_index(key)
+    assert rows.loc[LATEX, "problem"] == "no solution"
+    assert rows.drop(LATEX)["problem"].isna().all()
 
 
 # Moduli (Pa) and ratios of both bodies, and the density of the particle (kg/m3), as declared.

@@ -137,7 +137,7 @@ def test_a_draw_that_is_a_calibrated_contact_has_its_numbers(branch, inputs, num
     }
     row |= {"diameter_um": 1e6 * row["diameter_um"], "friction": branch["steel"]["friction"]}
     names = ["C05", "C37", "C68"]
-    draws = {"case": "steel", "scenarios": ["v"], "laws": ["l"]}
+    draws = {"case": "steel", "scenarios": ["v"]}
     params = build(claim_numbers.Params, branch | {"draws": draws})
     drawn = {**inputs, "posterior_contacts": pd.DataFrame([row])}
     table = claim_numbers.draws_of(params, drawn, *names)

@@ -177,6 +177,11 @@ def test_a_reference_to_nothing_is_one_line(reference, line):
     assert told.startswith(f"study.fast_m_per_s.from: {line}")
 
 
+def test_a_place_that_names_itself_is_refused():
+    resolver, _ = resolved({"steel": {"from": ["steel.spin"]}})
+    assert resolver.problems[0] == "steel.from: 'steel.spin' refers to itself"
+
+
 def test_every_analysis_draws_from_the_root_seed_by_its_name():
     def seeds(root=7, own=(), kind=Params):
         resolver = Resolver(

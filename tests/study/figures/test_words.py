@@ -17,7 +17,6 @@ SHIPPED = registry(filled(ENTRIES, SETTINGS.branches, SETTINGS.pairs))
 MATERIALS = "steel|silicon|mirror|Formica|Lycopodium|spore|fluorescein|molybdenum|mica|latex|silica"
 # Studies that are of one pair by their nature.
 OF_ONE_PAIR = {"particle_separation", "oblique_data", "inference"}
-OF_ONE_PAIR |= {"rival_explanations"}
 FIGURES = [name for name, entry in ENTRIES.items() if entry["study"] not in OF_ONE_PAIR]
 
 

@@ -25,7 +25,8 @@ def contacts(count=20, **columns):
     rng = np.random.default_rng(1)
     table = pd.DataFrame({name: rng.random(count) for name in NUMBERS})
     table = table.assign(
-        **({"friction_basis": "net", "case": "steel", "draw": np.arange(count)} | columns)
+        **({"friction_basis": "net", "case": "steel", "draw": np.arange(count)} | columns),
+        effective_size=np.inf,
     )
     both = [
         table.assign(scenario=scenario, law=law)
@@ -64,6 +65,21 @@ def test_shares_decide_at_95_and_5_per_cent_beyond_their_binomial_error(count, e
     share = share_of(with_share(count, 400))
     assert judged("reproduced", share.intervals) == expected
     assert bool(share.decided_by) == (expected == "not identified")
+
+
+@pytest.mark.parametrize(("size", "expected"), [(1e4, "reproduced"), (60.0, "undecided")])
+def test_draws_of_few_weighted_contacts_are_worth_fewer(size, expected):
+    draws, table = with_share(400, 400), contacts(400).assign(effective_size=size)
+    share = shares({"C01": claim(**CASES)}, draws, table)["C01"]
+    assert judged("reproduced", share.intervals) == expected
+    assert share.counts["with", "", ""][1] == pytest.approx(1 / (1 / size + 1 / 400))
+
+
+def test_a_law_without_numbers_is_named():
+    other = with_share(400, 400, law="n = 0").assign(claim="C02")
+    claims = {"C01": claim(**CASES), "C02": claim(**CASES)}
+    both = shares(claims, pd.concat([with_share(400, 400), other]), contacts(400))
+    assert both["C01"].in_words().endswith("none by n = 0: the numbers are of the ring force")
 
 
 def test_few_draws_decide_nothing():
@@ -135,6 +151,6 @@ def test_the_ledger_has_a_row_per_scenario(tmp_path):
     draws = pd.concat([drawn([0.7, 0.7, 0.7, 0.1]), drawn([0.7], scenario="without")])
     tables |= {"claim_draws": draws, "posterior_contacts": contacts(4)}
     rows = judge(tables, path)["claim_shares"]
-    counts = rows[["id", "scenario", "met", "drawn"]].to_numpy().tolist()
-    assert counts == [["C01", "with", 3, 4], ["C01", "without", 1, 1]]
-    assert ((rows["low"] < rows["met"] / rows["drawn"]) & (rows["high"] <= 1.0)).all()
+    shares = rows[["id", "scenario", "share"]].to_numpy().tolist()
+    assert shares == [["C01", "with", 0.75], ["C01", "without", 1.0]]
+    assert ((rows["low"] < rows["share"]) & (rows["high"] <= 1.0)).all()

@@ -40,6 +40,23 @@ def test_claims_of_the_articles_pairs_stay(latex):
     assert with_inputs(row, latex[1])["verdict"] == "reproduced"
 
 
+@pytest.mark.parametrize(
+    ("tables", "verdict"),
+    [
+        ("calibration materials", "reproduced"),
+        ("calibration molybdenum_capture", OF_ANOTHER),
+        ("force_ratios", OF_ANOTHER),
+    ],
+)
+def test_another_size_of_fluorescein_leaves_the_claims_on_steel(tables, verdict):
+    overlay = {"particles": {"fluorescein": {"mean_diameter_um": 2.58}}}
+    settings = validate(merged(shipped(), overlay), shipped())
+    row = {"id": "C01", "inputs": tables, "verdict": "reproduced", "note": ""}
+    marked = with_inputs(row, changed_inputs(settings, settings_as_shipped()))
+    assert marked["verdict"] == verdict
+    assert "particles.fluorescein.mean_diameter_um" in marked["changed_inputs"]
+
+
 def test_another_contact_must_be_of_its_pair():
     overlay = {"impact": {"cases": ["steel-silicon, n = 1", "steel-mirror front"]}}
     with pytest.raises(ValueError, match=r"impact\.cases\[1\]: 'steel-mirror front' is of"):

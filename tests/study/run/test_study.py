@@ -35,9 +35,10 @@ def test_what_is_wrong_is_told_in_one_line(name, changes, told):
     assert len(str(caught.value).splitlines()) == 1
 
 
-def test_parameters_are_no_tables():
-    with pytest.raises(ValueError, match="friction: must be a table of a study"):
-        run_study("coulomb_friction", {"friction": [0.1]})
+@pytest.mark.parametrize("given", [{"friction": [0.1]}, [0.1]])
+def test_parameters_are_no_tables(given):
+    with pytest.raises(ValueError, match="must be tables of studies by name; parameters are key"):
+        run_study("coulomb_friction", given)
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in ROOT.glob("config/examples/*.yaml")))

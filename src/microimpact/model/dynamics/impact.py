@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -31,6 +31,8 @@ from microimpact.core.arrays import (
     choice,
     common_shape,
 )
+from microimpact.core.plausible import warn_caller
+from microimpact.core.readable import Readable
 from microimpact.model import passes
 from microimpact.model.choices import FRICTION_BASES, TANGENTIAL_LAWS
 from microimpact.model.contact import Contact, require_contact
@@ -64,8 +66,8 @@ PLANAR = {
 NormalLaw = Callable[[Contact, Real], NormalImpact]
 
 
-@dataclass(frozen=True, slots=True)
-class Impact:
+@dataclass(frozen=True, slots=True, repr=False)
+class Impact(Readable):
     """Outcome of planar impacts; every field has the broadcast shape of the arguments.
 
     Attributes
@@ -108,8 +110,8 @@ class Impact:
     partner_spin: FloatArray | float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class SpatialImpact:
+@dataclass(frozen=True, slots=True, repr=False)
+class SpatialImpact(Readable):
     """Outcome of impacts in three dimensions, surface normal along z.
 
     As `Impact`, with ``velocity`` and the spins vectors (..., 3), m/s and rad/s, and
@@ -133,8 +135,7 @@ class SpatialImpact:
 AnyImpact = TypeVar("AnyImpact", Impact, SpatialImpact)
 
 
-@dataclass(frozen=True, slots=True)
-class Spins:
+class Spins(NamedTuple):
     """Spins of a sphere and its partner, rad/s: numbers, or vectors along the last axis."""
 
     sphere: Real
@@ -233,17 +234,18 @@ def supporting_impulses(
 
     Arguments as of `friction_impulse`.
     """
+    mass: Any = contact.scales[0]
     if basis == "net":
         sliding = (1.0 + normal.coefficient_of_restitution) * speed
-        return sliding, normal.peak_net_impulse / contact.mass
+        return sliding, normal.peak_net_impulse / mass
     if basis == PULL_OFF:
         time = np.where(normal.captured, 0.0, normal.contact_time)
-        adhesion = 2.0 * contact.pull_off_force * time / contact.mass
+        adhesion = 2.0 * contact.pull_off_force * time / mass
         impulse = (1.0 + normal.coefficient_of_restitution) * speed + adhesion
     else:
         total = normal.hertz_impulse if basis == "hertz" else normal.compressive_impulse
         assert total is not None
-        impulse = total / contact.mass
+        impulse = total / mass
     return impulse, impulse
 
 
@@ -360,7 +362,7 @@ def _in_blocks(
 def _at(values: Any, shape: tuple[int, ...], index: Any) -> Any:
     """Return part of values, or of the spins of several impacts, that broadcast to a shape."""
     if isinstance(values, Spins):
-        return Spins(*(_at(getattr(values, f.name), shape, index) for f in fields(Spins)))
+        return Spins(*(_at(each, shape, index) for each in values))
     return np.broadcast_to(values, shape)[index] if np.ndim(values) else values
 
 
@@ -445,11 +447,20 @@ def incident(
     """
     require_contact(contact, any_law=True, pair=True)
     chosen_basis(contact, friction_basis, tangential)
-    arguments = {"speed": checked("speed", speed, SPEED), "angle": checked("angle", angle, ANGLE)}
-    turning = checked("spin", spin, FINITE), checked("partner_spin", partner_spin, FINITE)
-    together = arguments | dict(zip(("spin", "partner_spin"), turning, strict=True))
-    shape = common_shape({"contact": contact.extent, **together})
-    return arguments, Spins.of(contact, *turning), shape
+    arguments = {
+        "contact": contact.extent,
+        "speed": checked("speed", speed, SPEED),
+        "angle": checked("angle", angle, ANGLE),
+        "spin": checked("spin", spin, FINITE),
+        "partner_spin": checked("partner_spin", partner_spin, FINITE),
+    }
+    shape = common_shape(arguments)
+    incidence = arguments["angle"]
+    steepest = incidence if isinstance(incidence, float) else incidence.max(initial=0.0)
+    if 0.0 < steepest < math.pi / 2:
+        warn_caller({"angle": steepest}, depth=3)
+    spins = Spins.of(contact, arguments["spin"], arguments["partner_spin"])
+    return {"speed": arguments["speed"], "angle": incidence}, spins, shape
 
 
 def chosen_basis(contact: Contact, friction_basis: object, tangential: object = "rigid") -> str:
@@ -546,7 +557,7 @@ def spatial(
     length = np.hypot(slip[..., 0], slip[..., 1])
     size, rolling = friction_impulse(contact, normal, length, basis, speed, tangential)
     direction = slip / np.where(length > 0.0, length, 1.0)[..., None]
-    change = direction * size[..., None]
+    change = direction * np.asarray(size)[..., None]
     e = normal.coefficient_of_restitution
     after_v = np.stack([v[..., 0] - change[..., 0], v[..., 1] - change[..., 1], e * speed], axis=-1)
     turn = np.stack([-change[..., 1], change[..., 0], np.zeros(shape)], axis=-1)

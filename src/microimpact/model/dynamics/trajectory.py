@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from microimpact.core.arrays import FINITE, FloatArray, Numbers, Real, checked
+from microimpact.core.extras import optional
+from microimpact.core.readable import Readable
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel, law_paths, laws
 from microimpact.model.dynamics.impact import (
@@ -37,8 +40,8 @@ Followed = tuple[tuple[FloatArray, ...], tuple[FloatArray, ...], bool]
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
-@dataclass(frozen=True, slots=True)
-class Trajectory:
+@dataclass(frozen=True, slots=True, repr=False)
+class Trajectory(Readable):
     """One impact against time; every array has the shape (points,), SI units.
 
     Attributes
@@ -74,6 +77,23 @@ class Trajectory:
     normal_force: FloatArray
     friction_force: FloatArray
     captured: bool
+
+    def plot(self) -> Any:
+        """Draw compression and forces against time; return Matplotlib's figure.
+
+        Raises ModuleNotFoundError if Matplotlib is not installed.
+        """
+        figure, (above, below) = optional("matplotlib.pyplot").subplots(
+            2, sharex=True, layout="constrained"
+        )
+        above.plot(1e9 * self.time, 1e9 * self.compression, color="black")
+        above.set_ylabel("compression (nm)")
+        for name, line in (("normal", "-"), ("friction", "--"), ("hertz", ":"), ("adhesion", "-.")):
+            force = getattr(self, f"{name}_force")
+            below.plot(1e9 * self.time, 1e3 * force, line, color="black", label=name.title())
+        below.set(xlabel="time (ns)", ylabel="force (mN)")
+        below.legend()
+        return figure
 
 
 def trajectory(

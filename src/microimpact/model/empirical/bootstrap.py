@@ -8,14 +8,15 @@ from numbers import Integral
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.readable import Readable
 from microimpact.model.empirical.data import in_own_units
 from microimpact.model.empirical.fit import CONFIDENCE, RestitutionFit, scalar
 from microimpact.model.empirical.kernel import V_C
 from microimpact.model.empirical.search import CLOSEST, fit_batch
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CaptureBootstrap:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class CaptureBootstrap(Readable):
     """Parametric bootstrap of v_c; ``str(sample)`` is a summary.
 
     Attributes
@@ -48,8 +49,6 @@ class CaptureBootstrap:
             f"{100 * self.confidence:g} %, of {self.sample.size} replicates; "
             f"{self.on_bound} with v_c on a bound)"
         )
-
-    __str__ = summary
 
 
 def bootstrap_v_c(

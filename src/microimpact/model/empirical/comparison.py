@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
 from typing import Any, Literal, NamedTuple
@@ -22,6 +22,7 @@ import numpy as np
 import scipy
 
 from microimpact.core.arrays import FloatArray, Numbers, Range, checked
+from microimpact.core.readable import Readable, precise, table
 from microimpact.core.solve import roots
 from microimpact.model.empirical import scatter, shapes
 from microimpact.model.empirical.data import (
@@ -72,8 +73,8 @@ REJECTED = 0.01
 NAMED = 3
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Model:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Model(Readable):
     """One model fitted to the data.
 
     Attributes
@@ -102,7 +103,7 @@ class Model:
     chi_square: float | None
     criterion: float
     weight: float
-    law: Callable[[FloatArray], FloatArray]
+    law: Callable[[FloatArray], FloatArray] = field(repr=False)
 
 
 class Candidate(NamedTuple):
@@ -158,9 +159,9 @@ CANDIDATES = {
 } | {name: Candidate(law.free + 1, name) for name, law in shapes.LAWS.items()}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Comparison:
-    """Models of one data set side by side, and v_c from all of them.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Comparison(Readable):
+    """Models of one data set side by side, and v_c from all of them; prints as a table.
 
     Attributes
     ----------
@@ -184,7 +185,7 @@ class Comparison:
         What speaks against trusting the interval, in sentences.
     """
 
-    models: tuple[Model, ...]
+    models: tuple[Model, ...] = field(repr=False)
     v_c: float
     v_c_interval: tuple[float, float]
     confidence: float
@@ -193,7 +194,47 @@ class Comparison:
     exact: bool
     diameter: float | None
     size_scatter: float | None
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...] = field(repr=False)
+
+    def summary(self) -> str:
+        """Models with their intervals and weights, v_c of all, and assumptions, as text."""
+        criterion = "AIC" if self.sigma is None else "AICc"
+        header = ("model", "v_c (m/s)", "from", "to", "free", "chi2", criterion, "weight")
+        rows = (
+            (
+                model.name,
+                *_with_interval(model.v_c, model.interval),
+                str(model.free),
+                "" if model.chi_square is None else f"{model.chi_square:.1f}",
+                f"{model.criterion:.1f}",
+                f"{model.weight:.2f}",
+            )
+            for model in self.models
+        )
+        v_c, low, high = _with_interval(self.v_c, self.v_c_interval)
+        return (
+            f"{table(rows, header)}\n"
+            f"v_c = {v_c} m/s, {100 * self.confidence:g} %: {low} to {high} m/s, averaged over the "
+            "models by weight.\n"
+            f"On condition that one of them has the shape of the true curve{self._assumptions()}."
+        )
+
+    def _assumptions(self) -> str:
+        """Assumptions on speeds and sizes, as the end of a sentence."""
+        if self.exact:
+            return "; speeds and sizes are taken as exact"
+        words = ",\naveraged over the errors of speed and the sizes"
+        if self.size_scatter is not None:
+            words += f"; these scatter by {100.0 * self.size_scatter:.2g} %"
+        if self.diameter is not None:
+            words += f"; v_c is that of the median sphere of {1e6 * self.diameter:.4g} um"
+        return words
+
+
+def _with_interval(value: float, interval: tuple[float, float]) -> list[str]:
+    """Format a number and the ends of its interval."""
+    low, high = interval
+    return [precise(number, high - low) for number in (value, low, high)]
 
 
 def compare_models(

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import POSITIVE, FloatArray, Range, checked
+from microimpact.core.readable import Readable
 from microimpact.model.empirical.data import DataSets, data_sets, measurements, require_telling
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.intervals import Intervals, interval_batch
@@ -28,8 +29,8 @@ OPEN = 10.0
 TOO_LARGE = 0.01
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RestitutionFit:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class RestitutionFit(Readable):
     """Eq. (34) fitted to data; ``str(fit)`` is a summary.
 
     Attributes
@@ -114,8 +115,6 @@ class RestitutionFit:
     def summary(self) -> str:
         """Parameters with standard errors, interval of v_c and goodness, as text."""
         return _summary(self)
-
-    __str__ = summary
 
 
 def covariance(sets: DataSets, fit: BatchFit) -> FloatArray:

@@ -14,7 +14,7 @@ verdicts are the integrator's, and the bound of the relative error of e holds do
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -29,6 +29,7 @@ from microimpact.core.arrays import (
     checked,
     common_shape,
 )
+from microimpact.core.readable import Readable
 from microimpact.core.solve import IntArray
 from microimpact.model import passes
 from microimpact.model.contact import Contact, require_contact
@@ -74,8 +75,8 @@ CAPTURE_TOLERANCE = 1e-13
 SAFETY = 2.0
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Law:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Law(Readable):
     """The law of normal impacts of some contacts as a table; made by `tabulate`.
 
     Attributes
@@ -97,11 +98,11 @@ class Law:
     """
 
     contact: Contact
-    family: Family | Sizes
+    family: Family | Sizes = field(repr=False)
     fastest: float
-    slowness: FloatArray
-    rebounds: Table
-    captures: Table
+    slowness: FloatArray = field(repr=False)
+    rebounds: Table = field(repr=False)
+    captures: Table = field(repr=False)
     error: float
 
     def simulate(

@@ -36,7 +36,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     data = {str(table["panel"].iloc[0]): table for table in tables.values()}
     for number, (name, panel) in enumerate(spec.panels.items()):
         _draw_lines(axes[name], data[name], panel, is_first=number == 0)
-    style.legend_above(figure, [axes[name] for name in spec.panels])
+    style.legend_above(figure, [axes[name] for name in spec.panels], columns=3)
     return figure
 
 

@@ -38,7 +38,7 @@ COLUMNS = (
     *("evidence", "figures", "code", "inputs", "changed_inputs", "reason", "note"),
 )
 AMENDMENT_COLUMNS = ("id", "part", "was", "now", "reason")
-SHARE_COLUMNS = ("id", *GROUPS, "met", "drawn", "low", "high")
+SHARE_COLUMNS = ("id", *GROUPS, "share", "low", "high", "effective_size")
 
 NO_SHARES: Mapping[str, Share] = {}
 AS_SHIPPED: Changed = {}
@@ -91,9 +91,11 @@ def judge(
         for amendment in claim.amendments
     ]
     counts = [
-        (name, *group, *count, *interval)
+        (name, *group, met / size, *interval, size)
         for name, share in drawn.items()
-        for (group, count), interval in zip(share.counts.items(), share.intervals, strict=True)
+        for (group, (met, size)), interval in zip(
+            share.counts.items(), share.intervals, strict=True
+        )
     ]
     return {
         "claims": pd.DataFrame([*marked, *rows], columns=list(COLUMNS)),

@@ -14,6 +14,8 @@ STUDY = "claim_numbers"
 # Keys that say which impact a study, or a claim, is about.
 IMPACT = frozenset({"particle", "surface", "diameter_um", "mean_diameter_um"})
 IMPACT |= {"speed_m_per_s", "printed_speed_m_per_s"}
+# Part of the calibration that is of the pair of Fig. 20, and the table that claims on it read.
+OF_FLUORESCEIN, THEIR_TABLE = "force_ratios", "molybdenum_capture"
 # What a claim gets whose numbers are of another impact than the article's.
 OF_ANOTHER = "not of this experiment"
 
@@ -37,7 +39,8 @@ def with_inputs(row: Mapping[str, Any] | pd.Series[Any], changed: Changed) -> di
     if not changed:
         return {**row, "changed_inputs": ""}
     makers = studies.needs(STUDY)
-    read = {makers[name] for name in str(row["inputs"]).split() if name in makers}
+    tables = {*str(row["inputs"]).split()}
+    read = {makers[name] for name in tables if name in makers}
     settings = {
         key: place
         for key, place in changed.get(STUDY, {}).items()
@@ -51,7 +54,10 @@ def with_inputs(row: Mapping[str, Any] | pd.Series[Any], changed: Changed) -> di
     for study in read:
         keys = {key: key.split(".") for key in changed[study]}
         impact = {
-            key for key, parts in keys.items() if parts[0] == study and IMPACT & {*parts[1:3]}
+            key
+            for key, parts in keys.items()
+            if parts[0] == study and IMPACT & {*parts[1:3]}
+            if parts[1] != OF_FLUORESCEIN or THEIR_TABLE in tables
         }
         another |= {changed[study][key] for key in impact}
     row = {**row, "changed_inputs": "; ".join(sorted({*places.values()}))}

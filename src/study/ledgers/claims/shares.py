@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.statistics.importance import drawn_size
 from microimpact.statistics.intervals import wilson_interval
 from study.ledgers.claims.criteria import Claim
 from study.ledgers.claims.judging import FEWEST, MOST, judged, margins
@@ -37,11 +38,14 @@ GROUPS = {
 class Share:
     """A claim over the drawn contacts."""
 
-    # Draws that meet its criteria, and all, by scenario, law and alternative of the claim.
-    counts: Mapping[tuple[str, ...], tuple[int, int]]
+    # Draws that meet its criteria, and all, by scenario, law and alternative of the claim; as many
+    # as independent ones would be.
+    counts: Mapping[tuple[str, ...], tuple[float, float]]
     # Between which of `GROUPS` its class changes; else the parameter whose distribution differs
     # most between draws that meet the criteria and those that do not, and by how much, from 0 to 1.
     decided_by: str
+    # Laws with whose contacts its numbers cannot be computed.
+    lacking: tuple[str, ...] = ()
 
     @property
     def intervals(self) -> list[tuple[float, float]]:
@@ -49,12 +53,13 @@ class Share:
         return [wilson_interval(*count) for count in self.counts.values()]
 
     def in_words(self) -> str:
-        """Return the shares with their intervals."""
+        """Return the shares with their intervals, and the laws that have none."""
         parts = []
         for group, (met, drawn) in self.counts.items():
             low, high = (round(100 * end) for end in wilson_interval(met, drawn))
             name = ", ".join(filter(None, group))
             parts.append(f"{100 * met / drawn:.0f} % ({low} to {high}) {name}")
+        parts += [f"none by {law}: the numbers are of the ring force" for law in self.lacking]
         return "; ".join(parts)
 
 
@@ -73,29 +78,33 @@ def shares(
         Table ``posterior_contacts``, with `NUMBERS`.
     """
     draws = draws.assign(alternative=draws["alternative"].astype(object).fillna(""))
+    laws = list(dict.fromkeys(draws["law"]))
     return {
-        str(name): _share(claims[str(name)], rows, contacts)
+        str(name): _share(claims[str(name)], rows, contacts, laws)
         for name, rows in draws.groupby("claim", sort=True)
         if str(name) in claims
     }
 
 
-def _share(claim: Claim, draws: pd.DataFrame, contacts: pd.DataFrame) -> Share:
+def _share(claim: Claim, draws: pd.DataFrame, contacts: pd.DataFrame, laws: Sequence[str]) -> Share:
     keys = ["contact", "scenario", "law", "draw"]
     values = draws.pivot_table(
         index=[*keys, "alternative"], columns="quantity", values="value", sort=False
     )
     table = values.index.to_frame(index=False).assign(met=margins(claim.criteria, values) > 0.0)
-    groups = table.groupby(list(GROUPS), sort=False)["met"]
-    counts = {tuple(map(str, name)): (int(met.sum()), len(met)) for name, met in groups}
-    share = Share(counts=counts, decided_by="")
+    table = table.merge(contacts.rename(columns={"case": "contact"}), on=keys, how="left")
+    counts = {}
+    for name, group in table.groupby(list(GROUPS), sort=False):
+        size = drawn_size(float(group["effective_size"].iloc[0]), len(group))
+        counts[tuple(map(str, name))] = (size * float(group["met"].mean()), size)
+    lacking = tuple(law for law in laws if law not in set(table["law"]))
+    share = Share(counts=counts, decided_by="", lacking=lacking)
     if judged("reproduced", share.intervals) != "not identified":
         return share
-    known = table.merge(contacts.rename(columns={"case": "contact"}), on=keys, how="left")
-    return Share(counts=counts, decided_by=_changes(counts) or _decided_by(known))
+    return replace(share, decided_by=_changes(counts) or _decided_by(table))
 
 
-def _changes(counts: Mapping[tuple[str, ...], tuple[int, int]]) -> str:
+def _changes(counts: Mapping[tuple[str, ...], tuple[float, float]]) -> str:
     """Return the kinds of groups between which the class changes, empty if there are none."""
     classes = {}
     for group, (met, drawn) in counts.items():
@@ -115,8 +124,10 @@ def _changes(counts: Mapping[tuple[str, ...], tuple[int, int]]) -> str:
 
 def _decided_by(table: pd.DataFrame) -> str:
     met = table["met"].to_numpy(bool)
-    known = [name for name in NUMBERS if table[name].notna().all()]
-    apart = {name: separation(table[name].to_numpy(float), met) for name in known}
+    apart = {}
+    for name in NUMBERS:  # of the laws that have it
+        has = table[name].notna().to_numpy(bool)
+        apart[name] = separation(table[name].to_numpy(float)[has], met[has])
     for name in WORDS:
         words = table[name].astype(str).to_numpy()
         apart[name] = max(

@@ -36,15 +36,15 @@ class Number:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Share:
-    """Drawn contacts that meet a claim's criteria in a scenario: count, of all, 95 % interval."""
+    """Share of the drawn contacts that meet a claim's criteria in a scenario, 95 % interval."""
 
     scenario: str
     law: str
     alternative: str
-    met: int
-    drawn: int
+    share: float
     low: float
     high: float
+    effective_size: float  # Independent contacts that the draws are worth
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -109,11 +109,11 @@ def printed(claim: Row) -> str:
     return with_unit(claim["article_value"], claim["unit"])
 
 
-def here(claim: Row, results: Sequence[Row]) -> str:
+def here(claim: Row, results: Sequence[Row], shares: Sequence[Row]) -> str:
     """Return the outcome of a claim in a sentence: its shares, or the number that decides it."""
-    if claim["shares"]:
-        shares = sorted(float(share.partition(" %")[0]) for share in claim["shares"].split("; "))
-        extent = " to ".join(dict.fromkeys(f"{share:g}" for share in (shares[0], shares[-1])))
+    if shares:
+        ends = [100.0 * end(float(row["share"]) for row in shares) for end in (min, max)]
+        extent = " to ".join(dict.fromkeys(f"{share:.0f}" for share in ends))
         by = claim["decided_by"].partition(" (")[0]
         return f"Holds for {extent} % of the drawn contacts{f', depending on the {by}' * bool(by)}."
     tested = sorted((row for row in results if bounds(row)), key=lambda row: not fails(row))

@@ -6,11 +6,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.dispenser import Dispenser
@@ -22,7 +21,14 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution, generator, mean
 from microimpact.statistics.intervals import mean_and_error
-from study.declared.parameters import CaseName, ExperimentSeed, Fraction, Name, Positive
+from study.declared.parameters import (
+    CaseName,
+    ExperimentSeed,
+    Fraction,
+    Name,
+    Points,
+    Positive,
+)
 from study.studies.contacts import calibrated_contact, pair_of, printed_beside
 from study.tables import Tables, series_frame
 
@@ -59,7 +65,7 @@ class Params:
     stop: StopRule
     dispenser: Dispenser
     instrument: Analyser
-    points: Annotated[int, Field(ge=10)]
+    points: Points
     plateau_share: Fraction
 
 
@@ -95,7 +101,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     printed = pd.concat([printed_beside(inputs, *pair, diameter_um=size) for size in sizes])
     series = sieves_drawn(params, params.case, curves)
     spheres = spheres_drawn(params, contacts[params.case], next(iter(curves.values())).speed)
-    drawn = {**series, **sieves_drawn(params, params.other_case, curves, ", other end"), **spheres}
+    second = sieves_drawn(params, params.other_case, curves, ", other end")
+    drawn = {**series, **(second if params.other_case != params.case else {}), **spheres}
     return {
         "fig04": figure_data(params, "restitution", table, drawn, printed),
         "fig05": figure_data(params, "energy_loss", table, series, printed, lambda e: 1.0 - e**2),

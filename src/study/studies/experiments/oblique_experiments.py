@@ -9,7 +9,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.lab.dispenser import Dispenser
@@ -31,6 +30,7 @@ from study.declared.parameters import (
     Must,
     Name,
     ObliqueDegrees,
+    Points,
     PrintedName,
 )
 from study.studies.contacts import intervals, printed_beside
@@ -110,7 +110,7 @@ class Params:
     dispenser: Dispenser
     instrument: ImagingSystem
     coulomb_restitution: Fraction
-    points: Annotated[int, Field(ge=10)]
+    points: Points
     unselected: Count
     compared_with_all: tuple[Name, ...]
     compared_series: Name

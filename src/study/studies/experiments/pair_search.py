@@ -31,7 +31,7 @@ from microimpact.lab.surface import Rebound
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.intervals import ERROR_BAR, mean_and_error, wilson_interval
-from study.declared.parameters import AboveOne, CaseName, Count, Positive
+from study.declared.parameters import AboveOne, CaseName, Count, Points, Positive
 from study.studies.contacts import calibrated_contact
 from study.tables import Row, Tables, series_frame
 
@@ -231,7 +231,7 @@ class Correction:
     speeds_m_per_s: tuple[Positive, ...]
     restitutions: tuple[Annotated[float, Field(gt=0, le=1)], ...]
     particles: Count
-    curve_points: Annotated[int, Field(ge=20)]
+    curve_points: Points
 
 
 def surface_correction(setup: Apparatus, params: Correction) -> Iterator[Row]:

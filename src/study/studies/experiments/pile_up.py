@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import product
 from typing import Annotated, Any
@@ -30,10 +30,10 @@ from study.declared.parameters import (
     NonNegative,
     Positive,
 )
-from study.studies.contacts import calibrated_contact, pair_of, printed_beside
+from study.studies.contacts import Posterior, calibrated_contact, pair_of, printed_beside
 from study.tables import Tables, series_frame
 
-NEEDS = {"calibration": ("calibration",)}
+NEEDS = {"calibration": ("calibration",), "inference": ("evidence_summary",)}
 PRINTED_VALUES = ("pile_up_speed_sst_silicon",)
 
 # Of the spheres dropped, those at rest on the target, and those captured there by one impact.
@@ -47,7 +47,7 @@ MOST_IMPACTS = 60
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Spheres dropped on a flat target, for two capture velocities."""
+    """Spheres dropped on a flat target, for three capture velocities."""
 
     seed: Annotated[int, Field(ge=0)]
     # Calibrated contact, whose capture velocity holds for the diameter of its calibration.
@@ -60,9 +60,11 @@ class Params:
     # That restitution.
     high_speed_m_per_s: Positive
     restitution: Fraction
-    # Of a contact with less adhesion, calibrated anew to the same restitution at high speed.
+    # Of contacts with less adhesion, calibrated to the same restitution at high speed; one has the
+    # median of a posterior over all laws.
     other_work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
     other_capture_velocity_m_per_s: Positive
+    posterior: Posterior
     # Of targets, and spread of their slopes per axis.
     radii_mm: tuple[Positive, ...]
     slopes_deg: tuple[NonNegative, ...]
@@ -90,20 +92,28 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
 
 
-def contacts(params: Params, inputs: Tables) -> dict[float, Contact]:
-    """Return both contacts by their capture velocity (m/s) at the diameter of the calibration."""
+def contacts(params: Params, inputs: Tables) -> dict[str, Contact]:
+    """Return contacts with the printed capture velocity, the median of the posterior, a lower one.
+
+    Each has it at the diameter of the calibration.
+    """
     strong = calibrated_contact(inputs, params.case).replace(friction=params.friction)
-    weak = two_stage(
-        strong.replace(work_of_adhesion=params.other_work_of_adhesion_J_per_m2),
-        params.high_speed_m_per_s,
-        params.restitution,
-        params.other_capture_velocity_m_per_s,
-    ).contact
-    return {round(float(capture_velocity(c)), 6): c for c in (strong, weak)}
+    summary, posterior = inputs["evidence_summary"], params.posterior
+    for column, name in {**asdict(posterior), "quantity": "v_c_m_per_s"}.items():
+        summary = summary[summary[column] == name]
+    others = {
+        "posterior": float(summary["median"].iloc[0]),
+        "lower": params.other_capture_velocity_m_per_s,
+    }
+    bare = strong.replace(work_of_adhesion=params.other_work_of_adhesion_J_per_m2)
+    target = params.high_speed_m_per_s, params.restitution
+    return {"printed": strong} | {
+        name: two_stage(bare, *target, limit).contact for name, limit in others.items()
+    }
 
 
-def _rows(params: Params, known: Mapping[float, Contact]) -> Iterator[dict[str, Any]]:
-    for velocity, contact in known.items():
+def _rows(params: Params, known: Mapping[str, Contact]) -> Iterator[dict[str, Any]]:
+    for name, contact in known.items():
         limit = float(capture_velocity(resized(contact, mean(params.diameter_um) * 1e-6)))
         for slope, speed in product(params.slopes_deg, params.speeds_m_per_s):
             resting_spheres = rest(params, contact, slope, speed)
@@ -111,7 +121,8 @@ def _rows(params: Params, known: Mapping[float, Contact]) -> Iterator[dict[str, 
                 stays = resting_spheres.on_target(radius * 1e-3)
                 shares = stays, stays & (resting_spheres.impacts == 1)
                 yield {
-                    "capture_velocity_m_per_s": velocity,
+                    "contact": name,
+                    "capture_velocity_m_per_s": round(float(capture_velocity(contact)), 6),
                     "capture_velocity_of_mean_sphere_m_per_s": limit,
                     "target_radius_mm": radius,
                     "slope_deg": slope,
@@ -142,21 +153,17 @@ def rest(params: Params, contact: Contact, slope_deg: float, speed: float) -> Re
 
 def onsets(params: Params, table: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """Yield the speeds below which given shares rest, for every capture velocity."""
-    for (radius, slope), part in table.groupby(["target_radius_mm", "slope_deg"], sort=False):
+    keys = ["target_radius_mm", "slope_deg", "contact", "capture_velocity_m_per_s"]
+    for key, rows in table.groupby(keys, sort=False):
+        speed, total, at_once = rows[["speed_m_per_s", *SHARES]].to_numpy().T
         for share in params.shares:
-            row, speeds = {"target_radius_mm": radius, "slope_deg": slope, "share": share}, []
-            for velocity, rows in part.groupby("capture_velocity_m_per_s", sort=False):
-                speed, total, at_once = rows[["speed_m_per_s", *SHARES]].to_numpy().T
-                speeds.append(onset(speed, total, share))
-                row[onset_column(velocity)] = speeds[-1]
-                row[f"first_impact_{onset_column(velocity)}"] = onset(speed, at_once, share)
-            apart = {"difference_m_per_s": speeds[0] - speeds[1]}
-            yield row | apart | {"evidence": "virtual experiment"}
-
-
-def onset_column(velocity: Any) -> str:
-    """Return the column of the onsets of a capture velocity, m/s."""
-    return f"onset_at_{velocity:g}_m_per_s".replace(".", "p")
+            yield {
+                **dict(zip(keys, key, strict=True)),
+                "share": share,
+                "onset_m_per_s": onset(speed, total, share),
+                "first_impact_onset_m_per_s": onset(speed, at_once, share),
+                "evidence": "virtual experiment",
+            }
 
 
 def onset(speed: FloatArray, share: FloatArray, wanted: float) -> float:
@@ -182,8 +189,8 @@ def figure_data(params: Params, table: pd.DataFrame, printed: FloatArray) -> pd.
         & (table["slope_deg"] == params.drawn_slope_deg)
     ]
     frames = []
-    for velocity, rows in shown.groupby("capture_velocity_m_per_s", sort=False):
-        name, speed = f"{velocity:g} m/s", rows["speed_m_per_s"]
+    for name, rows in shown.groupby("contact", sort=False):
+        speed = rows["speed_m_per_s"]
         total, at_once = (rows[share] for share in SHARES)
         frames.append(_frame(f"{name}, in the end", speed, total, "virtual experiment"))
         frames.append(_frame(f"{name}, first impact", speed, at_once))

@@ -33,7 +33,6 @@ from study.studies.contacts import (
     printed_beside,
     printed_capture_velocity,
 )
-from study.studies.experiments.pile_up import onset_column
 from study.tables import Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",), "pile_up": ("pile_up", "pile_up_onsets")}
@@ -84,8 +83,6 @@ class Params:
     # Of the contact of JKR that gives the scale of energy.
     compared_work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
     captured: tuple[CaseName, ...]  # Contacts of other particles
-    # Of steel on silicon: as printed, and much lower.
-    capture_velocities_m_per_s: tuple[Positive, Positive]
     pressure_Pa: Positive  # noqa: N815 (the unit)
 
 
@@ -112,11 +109,11 @@ def disagreements(params: Params, others: Mapping[str, Any]) -> Iterator[str]:
 
 
 def run(params: Params, inputs: Tables) -> Tables:
-    """Hold both explanations against the printed facts, and two capture velocities.
+    """Hold both explanations against the printed facts, and three capture velocities.
 
     ``rival_restitution``: data of the figure. ``rival_explanations``: per printed observation what
     each explanation gives, and whether it tells them apart. ``capture_evidence``: what piles, slow
-    rebounds and energies give for two capture velocities. ``rival_forces``: what other forces would
+    rebounds and energies give for capture velocities. ``rival_forces``: what other forces would
     need, and what excludes them.
 
     Parameters
@@ -130,11 +127,13 @@ def run(params: Params, inputs: Tables) -> Tables:
     pairs = {pair_of(inputs, case) for case in params.cases}
     is_marked = all(set(MARKS) <= set(printed_beside(inputs, *pair).index) for pair in pairs)
     marks = printed if is_marked else printed.iloc[:0]
+    first = next(iter(contacts.values()))
+    needed = forces(params, first, printed_capture_velocity(inputs, first))
     return {
         "rival_restitution": figure_data(params, contacts, marks),
         "rival_explanations": pd.DataFrame(observations(params, contacts, printed)),
         "capture_evidence": pd.DataFrame(evidence(params, contacts, inputs, printed)),
-        "rival_forces": pd.DataFrame(forces(params, next(iter(contacts.values())))),
+        "rival_forces": pd.DataFrame(needed),
     }
 
 
@@ -255,21 +254,16 @@ def fallen_speed(params: Params, contact: Contact) -> float:
 def evidence(
     params: Params, contacts: Mapping[str, Contact], inputs: Tables, printed: pd.DataFrame
 ) -> Iterator[dict[str, Any]]:
-    """Yield piles, slow rebounds and energies for both capture velocities of steel."""
-    strong, weak = params.capture_velocities_m_per_s
-    ends = ends_of(printed, PILES_BEGIN)
+    """Yield piles, slow rebounds and energies for the capture velocities of the piles."""
     target = {"target_radius_mm": params.pile_radius_mm, "slope_deg": params.pile_slope_deg}
     onsets = chosen(inputs["pile_up_onsets"], **target)
     # One simulation is one line, whatever share of the spheres is called a pile.
     share = float(onsets["share"].astype(float).max())
-    onset = chosen(onsets, share=share).iloc[0]
-    at = [float(onset[onset_column(v)]) for v in (strong, weak)]
-    yield weighed(f"speed below which {100 * share:.0f} % of the spheres stay", "m/s", at, ends)
+    onsets = chosen(onsets, share=share).set_index("contact")
+    name = f"speed below which {100 * share:.0f} % of the spheres stay"
+    yield weighed(name, "m/s", onsets["onset_m_per_s"], ends_of(printed, PILES_BEGIN))
     rows = chosen(inputs["pile_up"], **target, speed_m_per_s=params.slow_speed_m_per_s)
-    at = [
-        float(chosen(rows, capture_velocity_m_per_s=v)["share_captured_at_first_impact"].iloc[0])
-        for v in (strong, weak)
-    ]
+    at = rows.set_index("contact")["share_captured_at_first_impact"]
     name = f"share captured at once at {params.slow_speed_m_per_s:g} m/s, where rebounds are seen"
     yield weighed(name, "1", at, (0.0, 0.025))
     others = [
@@ -277,15 +271,15 @@ def evidence(
         for contact in (calibrated_contact(inputs, case) for case in params.captured)
     ]
     steel = resized(next(iter(contacts.values())), params.diameters_um[0] * 1e-6)
-    at = [energy_ratio(params, steel, velocity) for velocity in (strong, weak)]
+    at = onsets["capture_velocity_m_per_s"].map(partial(energy_ratio, params, steel))
     name = "kinetic energy at capture over the loss of JKR, beside that of other particles"
     yield weighed(name, "1", at, (min(others), max(others)))
 
 
-def forces(params: Params, contact: Contact) -> Iterator[dict[str, Any]]:
+def forces(params: Params, contact: Contact, v_c: float) -> Iterator[dict[str, Any]]:
     """Yield a number for each other force that could hold or slow a sphere, and its exclusion."""
-    v_c, e = params.capture_velocities_m_per_s[0], params.restitution
-    radius, density = 0.5e-6 * params.diameters_um[0], float(contact.particle.density)
+    e, radius = params.restitution, 0.5e-6 * params.diameters_um[0]
+    density = float(contact.particle.density)
     vacuum = "vacuum (Section 2.1)"
 
     def of(
@@ -342,20 +336,18 @@ def chosen(table: pd.DataFrame, **where: float) -> pd.DataFrame:
     return table
 
 
-def weighed(line: str, unit: str, at: list[float], ends: tuple[float, float]) -> dict[str, Any]:
-    """Return a line of evidence: both numbers, the range seen, and which lies nearer to it."""
+def weighed(line: str, unit: str, at: pd.Series, ends: tuple[float, float]) -> dict[str, Any]:
+    """Return a line of evidence: its numbers, the range seen, and which are nearest to it."""
     low, high = ends
-    away = [max(low - value, value - high, 0.0) for value in at]
+    away = np.maximum(np.maximum(low - at, at - high), 0.0)
     if unit == "1" and low > 0.0:
-        away = [max(np.log(low / value), np.log(value / high), 0.0) for value in at]
-    prefers = "neither" if away[0] == away[1] else ("printed" if away[0] < away[1] else "lower")
+        away = np.maximum(np.maximum(np.log(low / at), np.log(at / high)), 0.0)
     return {
         "line": line,
         "unit": unit,
         "seen_low": low,
         "seen_high": high,
-        "at_printed_capture_velocity": at[0],
-        "at_lower_capture_velocity": at[1],
-        "prefers": prefers,
+        **{f"at_{name}_capture_velocity": value for name, value in at.astype(float).items()},
+        "prefers": " and ".join(map(str, at.index[away == away.min()])),
         "evidence": "virtual experiment" if unit == "m/s" else "computed",
     }

@@ -29,14 +29,15 @@ from microimpact.model.closed_forms import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from study.declared.parameters import AboveOne, CaseName, Must, Positive
+from study.declared.parameters import CaseName, Must, Points, Positive
 from study.studies.contacts import (
     CAPTURE_VELOCITIES,
+    PlateauRatio,
     calibrated_contact,
     fitted_to,
     printed_capture_velocity,
 )
-from study.tables import Row, Tables, result_evidence, series_frame
+from study.tables import NotComputedError, Row, Tables, result_evidence, series_frame
 
 NEEDS = {"calibration": ("calibration",)}
 PRINTED_VALUES = CAPTURE_VELOCITIES
@@ -81,8 +82,8 @@ class Params:
     pairs: Annotated[dict[CaseName, PairCase], Field(min_length=1)]
     smallest_diameter_um: Positive
     largest_diameter_um: Annotated[Positive, Must("above", "smallest_diameter_um")]
-    points: Annotated[int, Field(ge=5)]
-    plateau_speed_ratio: AboveOne
+    points: Points
+    plateau_speed_ratio: PlateauRatio
 
 
 class Law(NamedTuple):
@@ -105,7 +106,11 @@ def run(params: Params, inputs: Tables) -> Tables:
     rows: list[Row] = []
     frames = []
     for case, pair in params.pairs.items():
-        contact = calibrated_contact(inputs, case)
+        try:
+            contact = calibrated_contact(inputs, case)
+        except NotComputedError as why:
+            rows.append({"pair": case, "problem": str(why)})
+            continue
         limit = float(capture_velocity(contact))
         if not 0.0 < limit < np.inf:
             complaint = f"a capture velocity of {limit:g} m/s has no law beside it"

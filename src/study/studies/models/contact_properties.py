@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import pandas as pd
-from annotated_types import Le
 
 from microimpact.model.closed_forms import (
     adhesion_energy,
@@ -18,8 +16,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.pairs import pair_contact
-from study.declared.parameters import AboveOne
-from study.studies.contacts import declared
+from study.studies.contacts import PlateauRatio, declared
 from study.tables import Tables
 
 
@@ -27,7 +24,7 @@ from study.tables import Tables
 class Params:
     """Where Dahneke's restitution without adhesion is read off: a multiple of v_c."""
 
-    plateau_speed_ratio: Annotated[AboveOne, Le(1000)]
+    plateau_speed_ratio: PlateauRatio
 
 
 def run(params: Params, inputs: Tables) -> Tables:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from pydantic import Field
 
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from study.declared.parameters import Finite, Fraction, NonNegative, Positive
+from study.declared.parameters import Finite, Fraction, NonNegative, Points, Positive
 from study.studies.contacts import all_printed
 from study.tables import Tables, series_frame
 
@@ -34,7 +32,7 @@ class Params:
     friction: tuple[NonNegative, ...]
     spin_ratio: tuple[Finite, ...]
     spin_friction: Positive
-    points: Annotated[int, Field(ge=2)]
+    points: Points
 
 
 def run(params: Params, inputs: Tables) -> Tables:

@@ -13,7 +13,7 @@ from pydantic import Field
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import Trajectory, trajectory
-from study.declared.parameters import AngleDegrees, CaseName, Positive
+from study.declared.parameters import AngleDegrees, CaseName, Points, Positive
 from study.studies.contacts import (
     BAND,
     Posterior,
@@ -48,7 +48,7 @@ class Params:
     diameter_um: Positive
     speed_m_per_s: Positive
     angle_deg: AngleDegrees
-    points: Annotated[int, Field(ge=20)]
+    points: Points
     posterior: Posterior
     band_contacts: Annotated[int, Field(ge=10)]  # At most so many of those drawn
 

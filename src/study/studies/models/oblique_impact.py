@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.model.choices import FRICTION_BASES
@@ -17,7 +15,7 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from study.declared.parameters import CaseName, Finite, Fraction, Positive
+from study.declared.parameters import CaseName, Finite, Fraction, Points, Positive
 from study.studies.contacts import (
     BAND,
     DIGITS,
@@ -54,7 +52,7 @@ class Params:
     friction: Fraction
     speed_m_per_s: Positive
     spin_rad_per_s: Finite
-    points: Annotated[int, Field(ge=20)]
+    points: Points
     posterior: Posterior
 
 

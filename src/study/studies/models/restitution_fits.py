@@ -20,7 +20,15 @@ from study.studies.contacts import (
     fitted_to,
     printed_capture_velocity,
 )
-from study.tables import POINTS, Row, Tables, points_parts, points_series, series_frame
+from study.tables import (
+    POINTS,
+    NotComputedError,
+    Row,
+    Tables,
+    points_parts,
+    points_series,
+    series_frame,
+)
 
 NEEDS = {"calibration": ("calibration",)}
 PRINTED_VALUES = CAPTURE_VELOCITIES
@@ -83,7 +91,11 @@ def run(params: Params, inputs: Tables) -> Tables:
     rows: list[Row] = []
     later: list[Row] = []
     for name, case in params.cases.items():
-        contact = calibrated_contact(inputs, name)
+        try:
+            contact = calibrated_contact(inputs, name)
+        except NotComputedError as why:
+            rows.append({"case": name, "problem": str(why)})
+            continue
         limit = float(capture_velocity(contact))
         printed = printed_capture_velocity(inputs, contact)
         known: Row = {"simulated_v_c_m_per_s": limit, "printed_v_c_m_per_s": printed}

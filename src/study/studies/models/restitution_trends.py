@@ -14,7 +14,7 @@ from microimpact.model.empirical.equations import (
     body_restitution,
     restitution,
 )
-from study.declared.parameters import Count, Must, Positive
+from study.declared.parameters import Must, Points, Positive
 from study.tables import Tables, series_frame
 
 
@@ -28,7 +28,7 @@ class Params:
     adhesion_exponent: Positive
     capture_speed_m_per_s: Positive
     largest_speed_m_per_s: Annotated[Positive, Must("above", "capture_speed_m_per_s")]
-    points: Count
+    points: Points
 
 
 def run(params: Params, inputs: Tables) -> Tables:

@@ -22,7 +22,14 @@ from microimpact.core.solve import root
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.rolling import RollingImpulses, rolling_impulses
-from study.declared.parameters import Ascending, CaseName, Fraction, ObliqueDegrees, Positive
+from study.declared.parameters import (
+    Ascending,
+    CaseName,
+    Fraction,
+    ObliqueDegrees,
+    Points,
+    Positive,
+)
 from study.studies.contacts import calibrated_contact
 from study.tables import Row, Tables, series_frame
 
@@ -61,7 +68,7 @@ class Params:
     negligible: Annotated[Fraction, Field(gt=0)]
     drawn_diameter_um: Positive
     drawn_speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)]
-    points: Annotated[int, Field(ge=5)]
+    points: Points
 
 
 def run(params: Params, inputs: Tables) -> Tables:

@@ -17,10 +17,9 @@ from microimpact.core.bounds import AboveOne, Positive
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
-from study.declared.parameters import Ascending, CaseName, Name
+from study.declared.parameters import Ascending, CaseName, InferredName, LawName, ScenarioName
 from study.studies.contacts import (
     BAND,
-    Posterior,
     calibrated_contact,
     posterior_contact,
     posterior_rows,
@@ -41,9 +40,9 @@ Sizes = Annotated[tuple[Positive, ...], Field(min_length=2), Ascending]
 class Params:
     """Laws that are compared, and rebounds from spheres of two sieves."""
 
-    case: Name
-    scenario: Name
-    laws: Annotated[tuple[Name, ...], Field(min_length=2)]
+    case: InferredName
+    scenario: ScenarioName
+    laws: Annotated[tuple[LawName, ...], Field(min_length=2)]
     compared: tuple[CaseName, ...]  # Single contacts shown beside them
     published_exponent: Positive  # Power of one over the diameter
     smaller_um: Positive
@@ -100,7 +99,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 def drawn(params: Params, inputs: Tables, law: str) -> Contact:
     """Return some contacts of a law's posterior (draws,), at the size of the smaller sieve."""
-    rows = posterior_rows(inputs, Posterior(case=params.case, scenario=params.scenario, law=law))
+    rows = posterior_rows(inputs, params.case, params.scenario, law)
     rows = rows.iloc[:: max(len(rows) // DRAWS, 1)]
     return resized(posterior_contact(inputs, rows), params.smaller_um * 1e-6)
 
@@ -135,14 +134,14 @@ def impacts(params: Params, contacts: dict[str, Contact], pair: tuple[str, str])
     Parameters
     ----------
     contacts
-        By law; each pair is taken at its median capture velocity.
+        By law; each is taken at its median power of the diameter.
     pair
         Names of two laws; the one that needs more rebounds is the true one.
     """
     middles = {}
     for law in pair:
-        limits = np.asarray(capture_velocity(contacts[law]))
-        middles[law] = contacts[law].at((int(np.argsort(limits)[len(limits) // 2]),))
+        each = exponents(contacts[law], params.smaller_um, params.larger_um[-1])
+        middles[law] = contacts[law].at((int(np.argsort(each)[len(each) // 2]),))
     for larger in params.larger_um:
         powers = {law: float(exponents(middles[law], params.smaller_um, larger)) for law in pair}
         apart = abs(powers[pair[0]] - powers[pair[1]]) * np.log(larger / params.smaller_um)

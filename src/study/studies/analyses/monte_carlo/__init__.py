@@ -14,7 +14,7 @@ from pydantic import Field
 from microimpact.lab.surface import Rules
 from microimpact.statistics.distributions import Distribution, mean
 from microimpact.statistics.sampling import Correlation, require_varying
-from study.declared.parameters import AngleDegrees, CaseName, Must, Name
+from study.declared.parameters import AngleDegrees, CaseName, Must, Name, Points
 from study.studies.analyses.monte_carlo.ensembles import (
     Ensemble,
     Estimate,
@@ -76,7 +76,7 @@ class Params:
     # Nominal angles, and that from which relative restitution counts.
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
     reference_angle_deg: Annotated[AngleDegrees, Must("one of", "angles_deg")]
-    points: Annotated[int, Field(ge=10)]  # Of the deterministic curves
+    points: Points  # Of the deterministic curves
     # Events behind one measured mean, for the band of such means.
     events_measured: Annotated[int, Field(ge=2)]
     comparison: Comparison

@@ -59,6 +59,7 @@ class Context:
     _seen: dict[tuple[Dropped, float, Sampling], Seen] = field(default_factory=dict)
     _contacts: dict[Dropped, Contact] = field(default_factory=dict)
     _steel: dict[str, Contact] = field(default_factory=dict)
+    _sweeps: dict[tuple[str, bool], Impact] = field(default_factory=dict)
 
     def cases(self) -> Iterator[Self]:
         """Yield the context of every case."""
@@ -138,7 +139,13 @@ class Context:
 
         Raises ValueError if no contact rebounds at any.
         """
-        impact = self.impacts(self.speed, self.all_angles() if angles is None else angles)
+        _ = self.steel
+        if angles is not None:
+            impact = self.impacts(self.speed, angles)
+        elif (key := (self.case, self.contacts is None)) in self._sweeps:
+            impact = self._sweeps[key]
+        else:
+            impact = self._sweeps[key] = self.impacts(self.speed, self.all_angles())
         if np.all(impact.captured):
             raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
         return impact
@@ -171,10 +178,9 @@ class Context:
         """Return the results of a large sample of virtual impacts; of the case, if there is one."""
         case_dropped = replace(dropped, case=self.case or dropped.case)
         key = (case_dropped, angle, sampling or self.params.sampling)
+        contact = self.contact(case_dropped)  # whose tables count as read by this claim, too
         if key not in self._seen:
-            sample = Sample(
-                dropped=case_dropped, contact=self.contact(case_dropped), sampling=key[2]
-            )
+            sample = Sample(dropped=case_dropped, contact=contact, sampling=key[2])
             self._seen[key] = sample.seen(angle)
         return self._seen[key]
 

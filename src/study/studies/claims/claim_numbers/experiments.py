@@ -44,7 +44,7 @@ ABOVE_CAPTURE = 1e-4
 # Relative step of logarithmic derivatives of the capture velocity.
 EXPONENT_STEP = 0.01
 # Quantiles of a sieve class, and speeds, of a mean of its rebounds.
-CLASS_SIZES, CLASS_SPEEDS = 200, 25
+CLASS_SIZES, CLASS_SPEEDS = 50, 9
 
 Share = Annotated[Fraction, Field(gt=0)]
 Sizes = Annotated[tuple[Positive, ...], Field(min_length=2)]

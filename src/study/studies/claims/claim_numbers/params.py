@@ -16,8 +16,9 @@ from study.declared.parameters import (
     Count,
     Finite,
     Fraction,
-    Name,
+    InferredName,
     Positive,
+    ScenarioName,
 )
 from study.studies.samples import Sampling
 
@@ -56,11 +57,10 @@ class Steel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Draws:
-    """Contacts for which claims are computed as well: all drawn of a case, by scenario and law."""
+    """Contacts for which claims are computed as well: those drawn of a case, in scenarios."""
 
-    case: Name
-    scenarios: Annotated[tuple[Name, ...], Field(min_length=1)]
-    laws: Annotated[tuple[Name, ...], Field(min_length=1)]
+    case: InferredName
+    scenarios: Annotated[tuple[ScenarioName, ...], Field(min_length=1)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,31 +9,40 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, get_args
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import FloatArray
 from microimpact.core.ensemble import resampled
 from microimpact.core.solve import IntArray
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.statistics import importance
 from microimpact.statistics.distributions import generator
-from study.declared.parameters import Count, Name, Seed
+from study.declared.parameters import Count, Name, Points, Seed
 from study.studies.contacts import BAND, DRAWN, of_kind
 from study.studies.models.inference.case import (
     Case,
+    Judged,
+    Law,
+    Likelihood,
     Parameter,
     Scenario,
     counted,
-    likelihood,
     prior_share,
 )
 from study.studies.models.inference.drawn import bands, intervals
-from study.studies.models.inference.statements import FRICTIONAL, UNLIKELY, Values, values_of
+from study.studies.models.inference.statements import (
+    FRICTIONAL,
+    TURNING,
+    UNLIKELY,
+    Values,
+    values_of,
+)
 from study.tables import Row, Tables
 
 NEEDS = {"calibration": ("calibration",)}
@@ -55,8 +64,6 @@ RING = (
     "rate_exponent",
     "friction",
 )
-# A contact is consistent with a statement that it misses by no more than so many tails.
-CONSISTENT = 2.0
 # Laws are preferred whose evidence is within this factor of the greatest (Kass and Raftery 1995).
 STRONG = np.log(20.0)
 
@@ -72,7 +79,7 @@ class Params:
     first: Annotated[int, Field(ge=6, le=18)]
     rounds: Count
     draws: Count
-    points: Annotated[int, Field(ge=10)]  # Of a curve
+    points: Points  # Of a curve
     pairs: dict[Name, Case]
 
 
@@ -81,17 +88,16 @@ class Weighed:
     """A pool of contacts of one law, weighed by a scenario."""
 
     law: str
-    values: Values
-    log_weights: FloatArray  # (n,)
-    log_likelihood: FloatArray  # (n,)
-    by_basis: FloatArray  # The same by basis of friction (n, bases)
+    judged: Judged
+    scenario: Scenario
+    likelihood: Likelihood
+    weights: FloatArray  # Their sum is one (n,)
     result: importance.Integral  # Evidence
 
     @property
-    def weights(self) -> FloatArray:
-        """Weights (n,) whose sum is one."""
-        weights = np.exp(self.log_weights - np.max(self.log_weights))
-        return np.asarray(weights / np.sum(weights))
+    def values(self) -> Values:
+        """Values of the contacts."""
+        return self.judged.values
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -99,28 +105,30 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``evidence_summary``: by case, scenario, law: quantities, evidence, probability of the law.
     ``evidence_statements``: what each statement says, and what the contacts have.
-    ``posterior_contacts``: draws of the contacts by scenario and law. ``evidence_limits``,
-    ``evidence_works``: intervals of the first case. ``posterior_bands``: e against the speed.
+    ``posterior_contacts``: draws of the contacts by scenario and law that it does not exclude.
+    ``evidence_limits``, ``evidence_works``: intervals of the first case. ``posterior_bands``: e
+    against the speed.
     `inputs`: ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``: contacts
     shown beside the bands.
     """
     summaries, statements, contacts = [], [], []
     for name, case in params.pairs.items():
         pools = {law: pool_of(case, law, inputs, params) for law in case.laws}
+        known = {law: Judged(case, dict(pool.record)) for law, pool in pools.items()}
         for kind, row, scenario in case.rows():
-            weighed = [weigh(case, law, scenario, pool) for law, pool in pools.items()]
+            weighed = [weigh(law, known[law], scenario, pools[law]) for law in pools]
             head: Row = {"case": name, "kind": kind, "scenario": row}
-            summaries += summary(head, case, scenario, weighed)
+            summaries += (summarised := summary(head, case, weighed))
             if kind == "scenario":
-                statements += [r for each in weighed for r in told(head, case, scenario, each)]
-                contacts += [drawn(head, case, each, params) for each in weighed]
+                statements += [row for each in weighed for row in statement_rows(head, case, each)]
+                excluded = {row["law"] for row in summarised if row.get("standing") == "excluded"}
+                kept = [each for each in weighed if each.law not in excluded]
+                contacts += [drawn(head, case, each, params) for each in kept]
     table, contacts_drawn = pd.DataFrame(summaries), pd.concat(contacts, ignore_index=True)
-    known = table[
-        (table["kind"] == "scenario") & table["standing"].isin(["preferred", "consistent"])
-    ]
+    shown = table["scenario"].isin(SHOWN) & table["standing"].isin(["preferred", "consistent"])
     curves = []
     for name, case in params.pairs.items():
-        rows = known[(known["case"] == name) & known["scenario"].isin(SHOWN)]
+        rows = table[shown & (table["case"] == name)]
         laws = set(rows["scenario"] + "; " + rows["law"])
         curves.append(bands(name, case, contacts_drawn, inputs, laws, params.points))
     first, case = next(iter(params.pairs.items()))
@@ -133,44 +141,45 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
 
 
+def values_at(case: Case, law: Law, inputs: Tables, points: FloatArray) -> Values:
+    """Return the values of contacts of a law at points of the unit cube (n, axes)."""
+    bare, classes = case.bare(inputs), np.array(case.classes_um)
+    parameters = law.parameters(points)
+    if law.law == "ring force":
+        known = {name: np.asarray(getattr(bare, DRAWN[name])) for name in RING}
+        spread = {name: np.broadcast_to(value, len(points)) for name, value in known.items()}
+        parameters = spread | parameters
+
+    def contacts(diameters: FloatArray, rows: IntArray | slice = slice(None)) -> Contact:
+        columns = {key: value[rows, None] for key, value in parameters.items()}
+        return of_kind(bare.replace(diameter=diameters * 1e-6), law.law, columns)
+
+    error = case.normal_error(next(iter(case.scenarios.values())))
+    values = values_of(case.statements, contacts, law.friction_bases, classes, error)
+    at_size = contacts(np.array([case.diameter_um]))
+    impact = normal_impact(at_size, case.speed_m_per_s)
+    limits = values["capture"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.log(limits[:, -1] / limits[:, 0]) / np.log(classes[-1] / classes[0])
+    outcomes = {
+        "v_c_m_per_s": limits[:, case.classes_um.index(case.diameter_um)],
+        "size_exponent": slope,
+        "restitution": impact.coefficient_of_restitution[:, 0],
+        "adhesion_share": losses(at_size, case.speed_m_per_s).adhesion_share[:, 0],
+    }
+    return values | parameters | outcomes
+
+
 def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance.Pool:
     """Draw contacts of a law where any scenario, omission or choice finds them likely."""
-    law, bare = case.laws[name], case.bare(inputs)
-    classes = np.array(case.classes_um)
-
-    def compute(points: FloatArray) -> Values:
-        parameters = law.parameters(points)
-        if law.law == "ring force":
-            known = {name: np.asarray(getattr(bare, DRAWN[name])) for name in RING}
-            spread = {name: np.broadcast_to(value, len(points)) for name, value in known.items()}
-            parameters = spread | parameters
-
-        def contacts(diameters: FloatArray, rows: IntArray | slice = slice(None)) -> Contact:
-            columns = {key: value[rows, None] for key, value in parameters.items()}
-            return of_kind(bare.replace(diameter=diameters * 1e-6), law.law, columns)
-
-        values = values_of(case.statements, contacts, law.friction_bases, classes)
-        at_size = contacts(np.array([case.diameter_um]))
-        impact = normal_impact(at_size, case.speed_m_per_s)
-        limits = values["capture"]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slope = np.log(limits[:, -1] / limits[:, 0]) / np.log(classes[-1] / classes[0])
-        return (
-            values
-            | parameters
-            | {
-                "v_c_m_per_s": limits[:, case.classes_um.index(case.diameter_um)],
-                "size_exponent": slope,
-                "restitution": impact.coefficient_of_restitution[:, 0],
-                "adhesion_share": losses(at_size, case.speed_m_per_s).adhesion_share[:, 0],
-            }
-        )
+    law = case.laws[name]
 
     def log_densities(values: importance.Record) -> FloatArray:
         columns: dict[str, FloatArray] = {}
         heights: dict[str, float] = {}
+        judged = Judged(case, dict(values))
         for kind, row, scenario in case.rows():
-            logs = likelihood(case, scenario, dict(values)).total
+            logs = judged.likelihood(scenario).total
             # What is left without one statement or another is one density, broader than the rest,
             # and so is what other choices leave.
             name, height = row if kind == "scenario" else kind, float(np.max(logs))
@@ -181,7 +190,7 @@ def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance
         return np.stack([logs for name, logs in columns.items() if heights[name] > least], axis=1)
 
     return importance.pool(
-        compute,
+        partial(values_at, case, law, inputs),
         log_densities,
         len(law.ranges),
         first=params.first - min(max(AXES - len(law.ranges), 0), FEWEST),
@@ -190,33 +199,35 @@ def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance
     )
 
 
-def weigh(case: Case, law: str, scenario: Scenario, pool: importance.Pool) -> Weighed:
+def weigh(law: str, judged: Judged, scenario: Scenario, pool: importance.Pool) -> Weighed:
     """Weigh the pool of a law by a scenario."""
-    values = dict(pool.record)
-    likely = likelihood(case, scenario, values)
-    logs = pool.log_weights(likely.total) - np.log(prior_share(case.laws[law], scenario))
+    likelihood = judged.likelihood(scenario)
+    share = prior_share(judged.case.laws[law], scenario)
+    logs = pool.log_weights(likelihood.total) - np.log(share)
+    weights = np.exp(logs - np.max(logs))
     return Weighed(
         law=law,
-        values=values,
-        log_weights=logs,
-        log_likelihood=likely.total,
-        by_basis=likely.by_basis,
+        judged=judged,
+        scenario=scenario,
+        likelihood=likelihood,
+        weights=weights / np.sum(weights),
         result=importance.integral(logs, pool.tried),
     )
 
 
-def summary(head: Row, case: Case, scenario: Scenario, weighed: list[Weighed]) -> list[Row]:
+def summary(head: Row, case: Case, weighed: list[Weighed]) -> list[Row]:
     """Return the quantities of a scenario by each law, and by all of them."""
     evidence = np.array([each.result.log for each in weighed])
     probability = np.exp(evidence - np.max(evidence))
     probability /= np.sum(probability)
     rows: list[Row] = []
     for each, share in zip(weighed, probability, strict=True):
-        missed = misses(case, scenario, each)
+        names = counted(case, each.scenario)
+        missed = {name: each.judged.misses(each.scenario, name) for name in names}
         is_preferred = each.result.log > np.max(evidence) - STRONG
-        meets_all = ~np.any(list(missed.values()), axis=0) & np.isfinite(each.log_likelihood)
-        can_be = is_preferred or np.any(meets_all)
-        best = int(np.argmax(each.log_likelihood))
+        known = np.isfinite(each.likelihood.total)
+        can_be = is_preferred or np.any(known & ~np.any(list(missed.values()), axis=0))
+        best = int(np.argmax(each.likelihood.total))
         of_law: Row = {
             **head,
             "law": each.law,
@@ -226,39 +237,26 @@ def summary(head: Row, case: Case, scenario: Scenario, weighed: list[Weighed]) -
             "ln_evidence": each.result.log,
             "ln_evidence_error": each.result.error,
             "effective_size": each.result.effective_size,
-            "share_consistent": np.sum(each.weights * meets_all),
         }
-        of_each = quantities(case, each)
         # An excluded law has a row that says so.
-        told_of = OUTCOMES[:1] if of_law["standing"] == "excluded" else tuple(of_each)
-        rows += quantiles(of_law, {name: of_each[name] for name in told_of}, each.weights)
+        named = OUTCOMES[:1] if of_law["standing"] == "excluded" else quantities(case, each)
+        rows += quantiles(of_law, {name: each.values[name] for name in named}, each.weights)
     # Over the laws only what all of them have.
-    names = set.intersection(*(set(quantities(case, each)) for each in weighed))
+    names_of_all = set.intersection(*(set(quantities(case, each)) for each in weighed))
     pooled = {
-        name: np.concatenate([quantities(case, each)[name] for each in weighed])
+        name: np.concatenate([each.values[name] for each in weighed])
         for name in quantities(case, weighed[0])
-        if name in names
+        if name in names_of_all
     }
     shares = zip(weighed, probability, strict=True)
     weights = np.concatenate([each.weights * share for each, share in shares])
-    sizes = np.array([each.result.effective_size for each in weighed])
-    errors = np.array([each.result.error for each in weighed])
-    top = np.max(evidence)
-    over_all: Row = {
-        **head,
-        "law": ALL_LAWS,
-        "probability": 1.0,
-        "ln_evidence": top + np.log(np.mean(np.exp(evidence - top))),
-        "ln_evidence_error": np.sqrt(np.sum(np.square(probability * errors))),
-        "effective_size": 1.0 / np.sum(probability**2 / np.maximum(sizes, 1e-9)),
-    }
-    return rows + quantiles(over_all, pooled, weights)
+    over_all: Row = {"law": ALL_LAWS, "probability": 1.0, "effective_size": 1 / np.sum(weights**2)}
+    return rows + quantiles({**head, **over_all}, pooled, weights)
 
 
-def quantities(case: Case, weighed: Weighed) -> Values:
-    """Quantities of a law's contacts that are summarised (n,)."""
-    names = (*OUTCOMES, *map(str, case.laws[weighed.law].ranges))
-    return {name: weighed.values[name] for name in names}
+def quantities(case: Case, weighed: Weighed) -> tuple[str, ...]:
+    """Names of the quantities of a law's contacts that are summarised."""
+    return (*OUTCOMES, *map(str, case.laws[weighed.law].ranges))
 
 
 def quantiles(head: Row, values: Mapping[str, FloatArray], weights: FloatArray) -> list[Row]:
@@ -277,37 +275,25 @@ def weighted(value: FloatArray, weights: FloatArray) -> FloatArray:
     return np.quantile(value[known], BAND, weights=weights[known], method="inverted_cdf")
 
 
-def misses(case: Case, scenario: Scenario, weighed: Weighed) -> dict[str, BoolArray]:
-    """Whether contacts (n,) miss each statement that counts, by more than `CONSISTENT` tails.
-
-    Of the bases of friction, or sizes that are open, one must do.
-    """
-    missed = {}
-    for name in counted(case, scenario):
-        statement = case.statements[name]
-        interval = scenario.intervals.get(name, statement.interval)
-        far = ~(statement.misfit(weighed.values[name], interval) <= CONSISTENT * scenario.tails)
-        missed[name] = far if far.ndim == 1 else np.all(far, axis=1)
-    return missed
-
-
-def told(head: Row, case: Case, scenario: Scenario, weighed: Weighed) -> list[Row]:
+def statement_rows(head: Row, case: Case, weighed: Weighed) -> list[Row]:
     """Return each statement beside the values of the contacts of a scenario and law.
 
-    A statement that the scenario leaves out is told, too: what the contacts predict for it.
+    A statement that the scenario leaves out has a row, too: what the contacts predict for it.
     """
-    share = np.exp(weighed.by_basis - np.max(weighed.by_basis, axis=1, keepdims=True))
+    by_basis = weighed.likelihood.by_basis
+    share = np.exp(by_basis - np.max(by_basis, axis=1, keepdims=True))
     share /= np.sum(share, axis=1, keepdims=True)
+    error, known = case.normal_error(weighed.scenario), counted(case, weighed.scenario)
     rows: list[Row] = []
     for name, statement in case.statements.items():
         value, weights = weighed.values[name], weighed.weights
+        turning = np.broadcast_to(weighed.values.get(TURNING + name, np.zeros(1)), value.shape)
         if value.ndim == 2:
             basis = statement.quantity in FRICTIONAL and share.shape == value.shape
             each = share if basis else np.full(value.shape, 1.0 / value.shape[1])
-            value, weights = value.ravel(), (weights[:, None] * each).ravel()
+            value, turning = value.ravel(), turning.ravel()
+            weights = (weights[:, None] * each).ravel()
         low, high = statement.interval
-        known = np.isfinite(value)
-        is_met = known & (low <= value) & (value <= high)
         rows.append(
             {
                 **head,
@@ -315,13 +301,14 @@ def told(head: Row, case: Case, scenario: Scenario, weighed: Weighed) -> list[Ro
                 "statement": name,
                 "words": statement.words,
                 "standing": statement.standing,
-                "counts": "yes" if name in counted(case, scenario) else "no",
+                "counts": "yes" if name in known else "no",
                 "quantity_stated": statement.quantity,
                 "interval_low": low,
                 "interval_high": high,
                 "tail": statement.tail,
+                "angle_error": error * weighted(turning, weights)[1],
                 **dict(zip(COLUMNS, weighted(value, weights), strict=True)),
-                "share_inside": np.sum(weights * is_met),
+                "share_inside": np.sum(weights * ((low <= value) & (value <= high))),
             }
         )
     return rows
@@ -331,7 +318,8 @@ def drawn(head: Row, case: Case, weighed: Weighed, params: Params) -> pd.DataFra
     """Return draws of a law's contacts in a scenario, with a basis of friction each."""
     law, rng = case.laws[weighed.law], generator(params.seed, 1)
     taken = resampled(weighed.weights, params.draws, rng)
-    chance = np.exp(weighed.by_basis[taken] - weighed.by_basis[taken].max(axis=1, keepdims=True))
+    logs = weighed.likelihood.by_basis[taken]
+    chance = np.exp(logs - logs.max(axis=1, keepdims=True))
     if chance.shape[1] != len(law.friction_bases):  # no statement on friction counts
         chance = np.ones((len(taken), len(law.friction_bases)))
     below = np.cumsum(chance, axis=1)
@@ -343,6 +331,7 @@ def drawn(head: Row, case: Case, weighed: Weighed, params: Params) -> pd.DataFra
             "law": weighed.law,
             "contact_law": law.law,
             "draw": np.arange(params.draws),
+            "effective_size": weighed.result.effective_size,
             "particle": case.particle,
             "surface": case.surface,
             "diameter_um": case.diameter_um,

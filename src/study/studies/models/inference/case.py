@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -15,6 +15,7 @@ from microimpact.model.contact import Contact
 from study.declared.parameters import (
     Ascending,
     CaseName,
+    Count,
     CounterpartName,
     Finite,
     MaterialName,
@@ -24,7 +25,13 @@ from study.declared.parameters import (
     PositiveRange,
 )
 from study.studies.contacts import Kind, declared_contact
-from study.studies.models.inference.statements import FRICTIONAL, Statement, Values, log_mean
+from study.studies.models.inference.statements import (
+    FRICTIONAL,
+    TURNING,
+    Statement,
+    Values,
+    log_mean,
+)
 from study.tables import Tables
 
 Parameter = Literal[
@@ -81,6 +88,7 @@ class Scenario:
     within: dict[Parameter, Span] = field(default_factory=dict)
     intervals: dict[Name, Annotated[tuple[Finite, Finite], Ascending]] = field(default_factory=dict)
     tails: Positive = 1.0  # Factor of all tails
+    angle_error_deg: Positive | None = None  # In place of that of the pair
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,6 +101,12 @@ class Case:
     diameter_um: Positive
     speed_m_per_s: Positive
     classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
+    # Between the normal of the target and that of the camera, of an experiment; random slopes of
+    # the surface (standard deviation of the tangent), of which a mean over so many spheres has its
+    # part.
+    angle_error_deg: NonNegative
+    surface_slope: NonNegative
+    spheres: Count
     laws: Annotated[dict[Name, Law], Field(min_length=1)]
     statements: Annotated[dict[Name, Statement], Field(min_length=2)]
     shown_m_per_s: PositiveRange  # Normal speeds of the figures
@@ -126,6 +140,11 @@ class Case:
             changes = {f.name: getattr(choice, f.name) for f in fields(choice)}
             yield "choice", name, replace(first, **{k: v for k, v in changes.items() if v})
 
+    def normal_error(self, scenario: Scenario) -> float:
+        """Return the standard deviation of the mean normal of an experiment, rad."""
+        angle = scenario.angle_error_deg or self.angle_error_deg
+        return float(np.hypot(np.radians(angle), self.surface_slope / np.sqrt(self.spheres)))
+
     def bare(self, inputs: Tables) -> Contact:
         """Return the declared contact of the pair at the diameter, with its declared w_A."""
         contact = declared_contact(inputs, self.particle, self.surface)
@@ -149,25 +168,48 @@ class Likelihood:
     by_basis: FloatArray
 
 
-def likelihood(case: Case, scenario: Scenario, values: Values) -> Likelihood:
-    """Return the likelihood of a scenario; bases and size classes are alike before it.
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """Values of contacts for the statements of a case, and their likelihoods, each made once."""
 
-    Contacts that are outside of the ranges of the scenario have none.
-    """
-    plain: FloatArray = np.zeros(len(values["capture"]))
-    by_basis, by_class = np.zeros((len(plain), 1)), np.zeros((len(plain), 1))
-    for name in counted(case, scenario):
-        statement, value = case.statements[name], values[name]
-        interval = scenario.intervals.get(name, statement.interval)
-        log = statement.log_likelihood(value, interval, scenario.tails)
-        if statement.quantity in FRICTIONAL:
-            by_basis = by_basis + log
-        elif log.ndim == 2:
-            by_class = by_class + log
-        else:
-            plain = plain + log
-    total = plain + log_mean(by_basis) + log_mean(by_class)
-    return Likelihood(np.where(inside(scenario, values), total, -np.inf), by_basis)
+    case: Case
+    values: Values
+    _logs: dict[tuple[Any, ...], FloatArray] = field(default_factory=dict)
+
+    def arguments(self, scenario: Scenario, name: str) -> tuple[Any, ...]:
+        """Value, interval, tails and error with which a statement counts."""
+        interval = scenario.intervals.get(name, self.case.statements[name].interval)
+        error = self.case.normal_error(scenario) * self.values.get(TURNING + name, 0.0)
+        return self.values[name], interval, scenario.tails, error
+
+    def log(self, scenario: Scenario, name: str) -> FloatArray:
+        """Log likelihood of a statement."""
+        key = (name, scenario.intervals.get(name), scenario.tails, scenario.angle_error_deg)
+        if key not in self._logs:
+            statement = self.case.statements[name]
+            self._logs[key] = statement.log_likelihood(*self.arguments(scenario, name))
+        return self._logs[key]
+
+    def misses(self, scenario: Scenario, name: str) -> BoolArray:
+        """Whether contacts (n,) miss a statement; of open angles, sizes and bases, one must do."""
+        missed = self.case.statements[name].misses(*self.arguments(scenario, name))
+        return missed if missed.ndim == 1 else np.all(missed, axis=1)
+
+    def likelihood(self, scenario: Scenario) -> Likelihood:
+        """Return the likelihood of a scenario; open angles, sizes and bases are alike before it.
+
+        Contacts that are outside of the ranges of the scenario have none.
+        """
+        total: FloatArray = np.zeros(len(self.values["capture"]))
+        by_basis = np.zeros((len(total), 1))
+        for name in counted(self.case, scenario):
+            log = self.log(scenario, name)
+            if self.case.statements[name].quantity in FRICTIONAL:
+                by_basis = by_basis + log
+            else:
+                total = total + log_mean(log)
+        total = total + log_mean(by_basis)
+        return Likelihood(np.where(inside(scenario, self.values), total, -np.inf), by_basis)
 
 
 def inside(scenario: Scenario, values: Values) -> BoolArray:

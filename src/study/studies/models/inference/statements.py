@@ -1,8 +1,16 @@
 """The article's statements on a contact, as likelihoods: an interval, and normal tails beyond it.
 
 Each statement has a value for every contact: of its own spheres, speeds and angles, the mean over
-the sizes of the spheres that rebound. Where a basis of friction or a size is open, it has one for
-each.
+the sizes of the spheres that rebound. Where a basis of friction, a size or an angle is open, it has
+one for each.
+
+Velocities are measured about a nominal normal. Where the true one is turned by a small phi, a
+sphere meets the surface at the angle alpha + phi, and to first order (Section 4.1)
+
+    e_m = e + phi ((1 + e)(cot(alpha) - mu) + v cos(alpha) de/dv_n),   mu_m = mu + (1 + mu^2) phi,
+
+so that the value of a statement has a normal error, independent from one setting of the target to
+the next. The likelihood is the mean over it.
 """
 
 from __future__ import annotations
@@ -15,21 +23,27 @@ from typing import Annotated, Literal
 import numpy as np
 import scipy
 from pydantic import Field
+from scipy.special import log_ndtr, ndtr
 
-from microimpact.core.arrays import FloatArray, part_of
+from microimpact.core.arrays import BoolArray, FloatArray, Real, part_of
 from microimpact.core.solve import IntArray
 from microimpact.model.calibration import peak_ratios
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import planar, velocity_components
 from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.rigid_body.roughness import ROLLING_SHARE
 from microimpact.statistics.distributions import Distribution
 from study.declared.parameters import AngleDegrees, Ascending, Count, Finite, Name, Positive
 
 # Logarithm of the likelihood where there is no value: a captured sphere never leaves.
 IMPOSSIBLE = -1e6
+# Of a deviation without an error, in tails; and a turn by which values are derived, rad.
+NO_ERROR, TURN = 1e-9, 1e-3
 # Contacts so far below the best one of a batch, their worst statement aside, are followed no more.
 UNLIKELY = 60.0
+# A contact is consistent with a statement that it misses by no more than so many deviations.
+CONSISTENT = 2.0
 # Nodes over the sizes of a class (Gauss and Hermite), and over those of a share that is captured.
 _ROOTS, _WEIGHTS = np.polynomial.hermite_e.hermegauss(3)
 NODES = np.array([0.5 * math.erfc(-root / math.sqrt(2.0)) for root in _ROOTS])
@@ -53,6 +67,9 @@ Quantity = Literal[
 ]
 FRICTIONAL = ("impulse ratio", "change of impulse ratio")
 OF_CAPTURE = ("capture velocity in m/s", "share captured")
+OF_RESTITUTION = ("restitution", "fall of restitution")
+# Before the name of a statement: how fast its value changes as normals turn, per radian.
+TURNING = "turning "
 Values = dict[str, FloatArray]
 
 
@@ -74,6 +91,7 @@ class Statement:
     interval: Annotated[tuple[Finite, Finite], Ascending]
     tail: Positive
     spheres: Count = 1  # Of a share captured: so many were looked at
+    is_open: bool = False  # One of its impacts is meant; which, is not stated
 
     def __post_init__(self) -> None:
         """Refuse impacts that cannot be paired."""
@@ -102,7 +120,21 @@ class Statement:
             return np.asarray(means[..., 0] - means[..., -1])
         if self.quantity == "change of impulse ratio":
             return np.asarray(means[..., 0] / means[..., -1])
-        return np.asarray(np.mean(means, axis=-1))
+        return means if self.is_open else np.asarray(np.mean(means, axis=-1))
+
+    def turning(self, of_impacts: FloatArray, rates: FloatArray) -> FloatArray:
+        """How fast its value changes as normals turn: root of the sum of squares over impacts.
+
+        Parameters
+        ----------
+        of_impacts
+            As in `value`.
+        rates
+            Their changes per radian, alike.
+        """
+        value, turned = self.value(of_impacts), np.eye(of_impacts.shape[-2])[:, :, None] * TURN
+        changes = [self.value(of_impacts + rates * each) - value for each in turned]
+        return np.asarray(np.sqrt(np.sum(np.square(changes), axis=0)) / TURN)
 
     def captured(self, limits: FloatArray, classes_um: FloatArray) -> FloatArray:
         """Share of its spheres that are captured, from capture velocities (n, classes) in m/s."""
@@ -115,30 +147,65 @@ class Statement:
         return np.asarray(np.mean(np.clip((speed - low) / (high - low), 0.0, 1.0), axis=1))
 
     def log_likelihood(
-        self, value: FloatArray, interval: tuple[float, float], tails: float
+        self,
+        value: FloatArray,
+        interval: tuple[float, float],
+        tails: float = 1.0,
+        error: Real = 0.0,
     ) -> FloatArray:
-        """Logarithm of the likelihood, 0 inside the interval; its tails are stretched.
+        """Logarithm of the likelihood: one inside the interval, and the mean over a normal error.
 
         Of a share p captured among n spheres of which none was noticed: ``int (1 - q p)^n dq``,
         the share q of captures that would have been noticed being unknown, uniform from 0 to 1.
+
+        Parameters
+        ----------
+        value
+            What contacts have.
+        interval
+            In place of its own.
+        tails
+            Factor that stretches its tails.
+        error
+            Standard deviation of the value.
         """
         if self.quantity == "share captured":
             trials, p = self.spheres + 1, np.clip(value, SMALLEST_SHARE, 1.0 - SMALLEST_SHARE)
             log = np.log(-np.expm1(trials * np.log1p(-p)) / (trials * p))
         else:
-            log = -0.5 * np.square(self.misfit(value, interval) / tails)
+            tail, beyond = self.tail * tails, np.stack([interval[0] - value, value - interval[1]])
+            spread = np.maximum(error, NO_ERROR * tail)
+            both = np.hypot(tail, spread)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                sides = log_ndtr(beyond / both * tail / spread) - 0.5 * np.square(beyond / both)
+                inside = np.log(np.maximum(1.0 - np.sum(ndtr(beyond / spread), axis=0), 0.0))
+                log = np.logaddexp(inside, np.logaddexp(*sides) + np.log(tail / both))
         return np.where(np.isfinite(log), np.maximum(log, IMPOSSIBLE), IMPOSSIBLE)
 
-    def misfit(self, value: FloatArray, interval: tuple[float, float]) -> FloatArray:
-        """How far beyond its interval a value lies, in tails."""
-        with np.errstate(invalid="ignore"):
-            low, high = interval[0] - value, value - interval[1]
-            return np.asarray(np.maximum(np.maximum(low, high), 0.0) / self.tail)
+    def misses(
+        self,
+        value: FloatArray,
+        interval: tuple[float, float],
+        tails: float = 1.0,
+        error: Real = 0.0,
+    ) -> BoolArray:
+        """Whether values lie beyond the interval by more than `CONSISTENT` standard deviations.
+
+        Parameters
+        ----------
+        value, interval, tails, error
+            As in `log_likelihood`; the standard deviation is that of the tails and of the error.
+        """
+        low, high = interval[0] - value, value - interval[1]
+        # Without a value it is missed.
+        return ~(np.maximum(low, high) <= CONSISTENT * np.hypot(self.tail * tails, error))
 
 
 def log_mean(logs: FloatArray) -> FloatArray:
-    """Logarithm of the mean of exp(logs) over the last axis."""
-    return np.asarray(scipy.special.logsumexp(logs, axis=-1) - np.log(logs.shape[-1]))
+    """Logarithm of the mean of exp(logs) over the second axis, if there is one."""
+    if logs.ndim == 1:
+        return logs
+    return np.asarray(scipy.special.logsumexp(logs, axis=1) - np.log(logs.shape[1]))
 
 
 # Contacts (n, k) at diameters in um (k,), of all draws or of those with these numbers.
@@ -150,8 +217,9 @@ def values_of(
     contacts: AtDiameters,
     bases: tuple[str, ...],
     classes_um: FloatArray,
+    error: float,
 ) -> Values:
-    """Return the values of statements for contacts.
+    """Return the values of statements for contacts, and how fast they change as normals turn.
 
     Parameters
     ----------
@@ -163,18 +231,25 @@ def values_of(
         Of friction, that may be.
     classes_um
         Size classes that may be, ascending.
+    error
+        Of the normals, rad; contacts that are followed do not depend on it.
 
     Returns
     -------
     dict
-        By statement (n,), or (n, bases) with friction, (n, classes) where the size is open; nan for
-        contacts that the other statements exclude. ``capture`` (n, classes): capture
-        velocities, m/s.
+        By statement (n,), or (n, bases) with friction, (n, classes) where the size is open, (n,
+        impacts) where the impact is; nan for contacts that the other statements exclude. After
+        `TURNING` and its name, the change per radian. ``capture`` (n, classes): capture velocities,
+        m/s.
     """
     rest = {k: s for k, s in statements.items() if s.quantity not in OF_CAPTURE}
     frictional = {k: s for k, s in rest.items() if s.quantity in FRICTIONAL}
     values = _normal({k: s for k, s in rest.items() if k not in frictional}, contacts)
-    logs = [rest[k].log_likelihood(value, rest[k].interval, 1.0) for k, value in values.items()]
+    plain = {k: s for k, s in rest.items() if k in values}
+    logs = [
+        log_mean(s.log_likelihood(values[k], s.interval, error=error * values[TURNING + k]))
+        for k, s in plain.items()
+    ]
     score = np.sum(logs, axis=0) - np.min(logs, axis=0)
     likely = np.flatnonzero(score > score.max() - UNLIKELY)
 
@@ -210,8 +285,10 @@ def _normal(statements: Mapping[str, Statement], contacts: AtDiameters) -> Value
     contact = contacts(normal[:, 0], slice(None))
     outcome = normal_impact(contact, normal[:, 1])
     restitution = np.where(outcome.captured, np.nan, outcome.coefficient_of_restitution)
+    slope = _slope(normal, np.nan_to_num(restitution))
     values = {}
     for (name, statement), part in zip(statements.items(), columns, strict=True):
+        rates = np.zeros(1)
         if statement.quantity == "contact time in ns":
             value = np.where(outcome.captured, np.nan, outcome.contact_time)[:, part] * 1e9
         elif statement.quantity == "adhesion over hertz":
@@ -220,9 +297,24 @@ def _normal(statements: Mapping[str, Statement], contacts: AtDiameters) -> Value
         elif statement.quantity == "dissipation over adhesion":
             value = _dissipation_ratio(contact, normal[:, 1])[:, part]
         else:
-            value = restitution[:, part]
+            value, v_t = restitution[:, part], statement.impacts()[..., 2]
+            cot = v_t / statement.impacts()[..., 1]
+            # What friction takes is that of a rigid sphere, sliding throughout or rolling.
+            friction = np.asarray(contact.friction)[..., None]
+            lost = np.minimum(friction * (1.0 + value), ROLLING_SHARE * cot)
+            rates = (1.0 + value) * cot - lost + v_t * slope[:, part]
         values[name] = statement.value(value)
+        values[TURNING + name] = statement.turning(value, rates)
     return values
+
+
+def _slope(impacts: FloatArray, e: FloatArray) -> FloatArray:
+    """Slope of e (n, m) over the normal speed, by neighbours among sorted impacts (m, 2)."""
+    size, speed = np.diff(impacts, axis=0).T
+    secant = np.divide(np.diff(e), speed, out=np.zeros_like(e[:, 1:]), where=size == 0.0)
+    sides = np.pad((size == 0.0).astype(float), 1)
+    both = np.pad(secant, ((0, 0), (1, 1)))
+    return np.asarray((both[:, :-1] + both[:, 1:]) / np.maximum(sides[:-1] + sides[1:], 1.0))
 
 
 def _frictional(
@@ -243,10 +335,12 @@ def _frictional(
         ratios.append(np.where(impact.captured, np.nan, impact.impulse_ratio))
     ends = np.cumsum([part.size for part in columns])[:-1]
     parts = np.split(np.stack(ratios, axis=1), ends, axis=2)
-    return {
-        name: statement.value(part.reshape(*part.shape[:2], *shape.shape))
-        for (name, statement), part, shape in zip(statements.items(), parts, columns, strict=True)
-    }
+    values = {}
+    for (name, statement), part, shape in zip(statements.items(), parts, columns, strict=True):
+        value = part.reshape(*part.shape[:2], *shape.shape)
+        values[name] = statement.value(value)
+        values[TURNING + name] = statement.turning(value, 1.0 + np.square(value))
+    return values
 
 
 def _dissipation_ratio(contact: Contact, speeds: FloatArray) -> FloatArray:
