@@ -7,6 +7,7 @@ claims.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -166,6 +167,12 @@ def codecheck(figures: Mapping[str, Any]) -> str:
     return yaml.safe_dump(about, sort_keys=False, allow_unicode=True, width=100)
 
 
+def _extent(shares: str) -> str:
+    """Return the least and the greatest share in a cell of the ledger of claims, in per cent."""
+    percents = [int(number) for number in re.findall(r"(\d+) % \(", shares)]
+    return " to ".join(str(end) for end in sorted({min(percents), max(percents)})) + " %"
+
+
 def deviations(results: Path, criteria: Path) -> str:
     """Return the page of corrections, failed reproductions and changes, in Markdown.
 
@@ -207,6 +214,7 @@ def deviations(results: Path, criteria: Path) -> str:
         evidence=evidence,
         results=numbers,
         agreement=agreement,
+        extent=_extent,
         quantities=quantities,
         readable=readable,
         with_unit=with_unit,
