@@ -17,7 +17,7 @@ def test_a_claim_is_told_with_all_that_decides_it(nowhere):
     for part in (
         "The impacts hardly deform the materials plastically.",
         "Reason of the criterion: Minimal means",
-        "plastic loss over measured loss [at most 0.1]",
+        "plastic loss / measured loss [at most 0.1]",
         "1.832 (annealed)",
         "Verdict: not identified",
         "conclusions.c58, ",
