@@ -17,7 +17,7 @@ from study.tables import Tables
 APART = 0.19
 ALL, FEW = "all laws", "few contacts"
 BOLD: dict[str, Any] = {"color": "black", "linewidth": 1.6, "markersize": 4.0}
-GREY: dict[str, Any] = {"color": "0.7", "markerfacecolor": "white"}
+GREY: dict[str, Any] = {"color": "0.7", "markerfacecolor": "white", "marker": "X"}
 MARKS = ("o", "s", "^", "D", "v", "P")
 SYMBOLS = {"v_c": "$v_c$", "w_A": "$w_A$", "c_A": "$c_A$", "n to": "$n$ to", "J/m2": "J/m$^2$"}
 HEADS = {"scenario": "Scenarios", "without": "One statement less", "choice": "Other choices"}

@@ -23,7 +23,6 @@ from typing import Annotated, Literal
 import numpy as np
 import scipy
 from pydantic import Field
-from scipy.special import log_ndtr, ndtr
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real, part_of
 from microimpact.core.solve import IntArray
@@ -177,8 +176,10 @@ class Statement:
             spread = np.maximum(error, NO_ERROR * tail)
             both = np.hypot(tail, spread)
             with np.errstate(divide="ignore", invalid="ignore"):
-                sides = log_ndtr(beyond / both * tail / spread) - 0.5 * np.square(beyond / both)
-                inside = np.log(np.maximum(1.0 - np.sum(ndtr(beyond / spread), axis=0), 0.0))
+                outside = scipy.special.log_ndtr(beyond / both * tail / spread)
+                sides = outside - 0.5 * np.square(beyond / both)
+                beyond_ends = np.sum(scipy.special.ndtr(beyond / spread), axis=0)
+                inside = np.log(np.maximum(1.0 - beyond_ends, 0.0))
                 log = np.logaddexp(inside, np.logaddexp(*sides) + np.log(tail / both))
         return np.where(np.isfinite(log), np.maximum(log, IMPOSSIBLE), IMPOSSIBLE)
 
