@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -424,10 +425,18 @@ def line_figure(
     return figure, axes
 
 
+def _tick(value: float) -> str:
+    """Label of a tick of a logarithmic axis: far powers of ten as powers."""
+    exponent = round(math.log10(value)) if value > 0.0 else 0
+    if abs(exponent) > 3 and math.isclose(value, 10.0**exponent):
+        return f"$10^{{{exponent}}}$"
+    return f"{value:g}".replace("-", "−")
+
+
 def plain_numbers(*axes: Axis) -> None:
     """Write the major ticks of logarithmic axes as plain numbers, and nothing at the minor ones."""
     for axis in axes:
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: _tick(value)))
         axis.set_minor_formatter(NullFormatter())
 
 
