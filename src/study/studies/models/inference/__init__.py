@@ -275,22 +275,29 @@ def weighted(value: FloatArray, weights: FloatArray) -> FloatArray:
     return np.quantile(value[known], BAND, weights=weights[known], method="inverted_cdf")
 
 
+def probabilities(logs: FloatArray) -> FloatArray:
+    """Probabilities of alternatives (n, k) from their log likelihoods."""
+    shares = np.exp(logs - np.max(logs, axis=1, keepdims=True))
+    return np.asarray(shares / np.sum(shares, axis=1, keepdims=True))
+
+
 def statement_rows(head: Row, case: Case, weighed: Weighed) -> list[Row]:
     """Return each statement beside the values of the contacts of a scenario and law.
 
     A statement that the scenario leaves out has a row, too: what the contacts predict for it.
     """
-    by_basis = weighed.likelihood.by_basis
-    share = np.exp(by_basis - np.max(by_basis, axis=1, keepdims=True))
-    share /= np.sum(share, axis=1, keepdims=True)
+    share = probabilities(weighed.likelihood.by_basis)
     error, known = case.normal_error(weighed.scenario), counted(case, weighed.scenario)
     rows: list[Row] = []
     for name, statement in case.statements.items():
         value, weights = weighed.values[name], weighed.weights
         turning = np.broadcast_to(weighed.values.get(TURNING + name, np.zeros(1)), value.shape)
         if value.ndim == 2:
-            basis = statement.quantity in FRICTIONAL and share.shape == value.shape
-            each = share if basis else np.full(value.shape, 1.0 / value.shape[1])
+            each = np.full(value.shape, 1.0 / value.shape[1])
+            if statement.quantity in FRICTIONAL and share.shape == value.shape:
+                each = share
+            elif name in known:  # the open angle or size, by what it says
+                each = probabilities(weighed.judged.log(weighed.scenario, name))
             value, turning = value.ravel(), turning.ravel()
             weights = (weights[:, None] * each).ravel()
         low, high = statement.interval
