@@ -21,6 +21,9 @@ PLAUSIBLE = {
     "angle": (math.pi / 2, 90.0, "degrees", "radians"),
 }
 
+# Modules whose numbers were checked where they were given.
+PASSING_ON = ("microimpact.", "study.")
+
 
 def implausible(numbers: object, whose: str = "") -> Iterator[str]:
     """Doubts about numbers by name, each in a sentence with the likely slip.
@@ -49,7 +52,7 @@ def _ends(values: FloatArray) -> tuple[float, ...]:
 
 
 def warn_caller(numbers: object, depth: int, whose: str = "") -> None:
-    """Warn of implausible numbers, but not where the package itself passes them on.
+    """Warn of implausible numbers, but not where package or study pass them on.
 
     Parameters
     ----------
@@ -62,5 +65,5 @@ def warn_caller(numbers: object, depth: int, whose: str = "") -> None:
         caller = sys._getframe(depth)  # noqa: SLF001
         while caller.f_globals.get("__name__") == "dataclasses" and caller.f_back:  # its `replace`
             caller, depth = caller.f_back, depth + 1
-        if not str(caller.f_globals.get("__name__")).startswith("microimpact."):
+        if not str(caller.f_globals.get("__name__")).startswith(PASSING_ON):
             warnings.warn(doubt, UserWarning, stacklevel=depth + 1)

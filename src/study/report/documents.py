@@ -7,7 +7,6 @@ claims.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
 from study.declared.documents import load
 from study.ledgers.claims.criteria import CLAIM_NAME, UNCOUNTED, read_claims
-from study.ledgers.claims.words import agreement, quantities, readable, with_unit
+from study.ledgers.claims.words import agreement, drawn_share, quantities, readable, with_unit
 from study.report.site.figures import label
 from study.report.site.ledgers import by_claim, read_rows
 from study.report.site.pages import render
@@ -29,7 +28,7 @@ from study.report.site.record import read_record
 
 DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
 # Tables of the page of deviations and of the counts in the README.
-LEDGERS = ("claims", "equations", "claim_evidence", "claim_results")
+LEDGERS = ("claims", "equations", "claim_evidence", "claim_results", "claim_shares")
 CODECHECK = "../codecheck.yml"
 ABOUT = "<!-- Made by `make pages` from {template} and tables of a full run; do not edit. -->\n\n"
 
@@ -167,12 +166,6 @@ def codecheck(figures: Mapping[str, Any]) -> str:
     return yaml.safe_dump(about, sort_keys=False, allow_unicode=True, width=100)
 
 
-def _extent(shares: str) -> str:
-    """Return the least and the greatest share in a cell of the ledger of claims, in per cent."""
-    percents = [int(number) for number in re.findall(r"(\d+) % \(", shares)]
-    return " to ".join(str(end) for end in sorted({min(percents), max(percents)})) + " %"
-
-
 def deviations(results: Path, criteria: Path) -> str:
     """Return the page of corrections, failed reproductions and changes, in Markdown.
 
@@ -192,7 +185,8 @@ def deviations(results: Path, criteria: Path) -> str:
     claims, equations = (
         pd.read_csv(tables / f"{name}.csv", keep_default_na=False) for name in LEDGERS[:2]
     )
-    evidence, numbers = (by_claim(read_rows(tables / f"{name}.csv")) for name in LEDGERS[2:])
+    parts = (by_claim(read_rows(tables / f"{name}.csv")) for name in LEDGERS[2:])
+    evidence, numbers, shares = parts
     # Rows after the claims are about digitised points of the user's own.
     claims = claims[claims["id"].str.match(CLAIM_NAME)]
     declared = read_claims(criteria)
@@ -214,7 +208,8 @@ def deviations(results: Path, criteria: Path) -> str:
         evidence=evidence,
         results=numbers,
         agreement=agreement,
-        extent=_extent,
+        shares=shares,
+        drawn_share=drawn_share,
         quantities=quantities,
         readable=readable,
         with_unit=with_unit,

@@ -32,6 +32,7 @@ from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read
 from study.figures.registry import AS_SHIPPED, FigureSpec, filled, registry
 from study.run.digitised import Digitised, as_rows, read_folder
 from study.run.stamp import changes
+from study.studies.contacts import ALL_LAWS
 from study.studies.laboratory import Laboratory
 
 
@@ -227,7 +228,7 @@ def _inferred(config: Mapping[str, Any]) -> dict[str, tuple[str, set[str]]]:
             f"inference.pairs.{sort}",
             {n for each in pairs.values() for n in _entries(each).get(sort) or ()} | beyond,
         )
-        for sort, beyond in (("scenarios", set[str]()), ("laws", {"all laws"}))
+        for sort, beyond in (("scenarios", set[str]()), ("laws", {ALL_LAWS}))
     }
     return names | {"inference.pairs": ("inference.pairs", set(pairs))}
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Mapping
 from dataclasses import fields
 from functools import cache
@@ -104,10 +103,7 @@ def run_with(
     """
     study = studies.study(name)
     inputs = NamedTables({key: parse_table(text) for key, text in rows.items()} | {**tables})
-    with warnings.catch_warnings():
-        # Declared inputs were checked; a study's small angles are meant in degrees.
-        warnings.filterwarnings("ignore", ".* in radians", UserWarning)
-        made: dict[str, pd.DataFrame] = dict(study.run(build(study.Params, branch), inputs))
+    made: dict[str, pd.DataFrame] = dict(study.run(build(study.Params, branch), inputs))
     return made
 
 

@@ -31,7 +31,7 @@ from microimpact.core.arrays import (
     choice,
     common_shape,
 )
-from microimpact.core.plausible import warn_caller
+from microimpact.core.plausible import PLAUSIBLE, warn_caller
 from microimpact.core.readable import Readable
 from microimpact.model import passes
 from microimpact.model.choices import FRICTION_BASES, TANGENTIAL_LAWS
@@ -457,7 +457,7 @@ def incident(
     shape = common_shape(arguments)
     incidence = arguments["angle"]
     steepest = incidence if isinstance(incidence, float) else incidence.max(initial=0.0)
-    if 0.0 < steepest < math.pi / 2:
+    if 0.0 < steepest < PLAUSIBLE["angle"][0]:
         warn_caller({"angle": steepest}, depth=3)
     spins = Spins.of(contact, arguments["spin"], arguments["partner_spin"])
     return {"speed": arguments["speed"], "angle": incidence}, spins, shape

@@ -68,6 +68,18 @@ def in_words(quantity: str) -> str:
     return re.sub(r"(?<=\d) deg\b", "°", re.sub(r"(?<=\d) um\b", " µm", spoken))
 
 
+def drawn_share(shares: Iterable[Row], decided_by: str) -> str:
+    """Return in a sentence for how many of the drawn contacts a claim holds, over its scenarios.
+
+    `shares`: its rows of ``claim_shares``; `decided_by`: its column of ``claims``.
+    """
+    percents = [100.0 * float(row["share"]) for row in shares]
+    ends = dict.fromkeys(f"{end:.0f}" for end in (min(percents), max(percents)))
+    by = decided_by.partition(" (")[0]
+    on = f", depending on the {by}" if by else ""
+    return f"Holds for {' to '.join(ends)} % of the drawn contacts{on}."
+
+
 def with_unit(text: str, unit: str) -> str:
     """Append the unit to a printed value that ends as a number."""
     if unit == "-" or not text[-1:].isdigit():

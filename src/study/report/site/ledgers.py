@@ -14,7 +14,15 @@ from markupsafe import Markup
 
 from study.ledgers.claims.changed import OF_ANOTHER
 from study.ledgers.claims.criteria import UNCOUNTED
-from study.ledgers.claims.words import bounds, fails, in_words, number, readable, with_unit
+from study.ledgers.claims.words import (
+    bounds,
+    drawn_share,
+    fails,
+    in_words,
+    number,
+    readable,
+    with_unit,
+)
 from study.report.site.formula import mathml
 
 Row = dict[str, str]
@@ -112,10 +120,7 @@ def printed(claim: Row) -> str:
 def here(claim: Row, results: Sequence[Row], shares: Sequence[Row]) -> str:
     """Return the outcome of a claim in a sentence: its shares, or the number that decides it."""
     if shares:
-        ends = [100.0 * end(float(row["share"]) for row in shares) for end in (min, max)]
-        extent = " to ".join(dict.fromkeys(f"{share:.0f}" for share in ends))
-        by = claim["decided_by"].partition(" (")[0]
-        return f"Holds for {extent} % of the drawn contacts{f', depending on the {by}' * bool(by)}."
+        return drawn_share(shares, claim["decided_by"])
     tested = sorted((row for row in results if bounds(row)), key=lambda row: not fails(row))
     if not tested:
         return claim["note"]

@@ -7,7 +7,7 @@ import numpy as np
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.impact import planar, simulate, velocity_components
+from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.rigid_body.algebra import (
@@ -208,9 +208,9 @@ def c93(context: Context, *, share_without_adhesion: Fraction, angle_deg: AngleD
     """
     contact = context.steel
     work = np.asarray(contact.work_of_adhesion) * share_without_adhesion
-    v_n, along = velocity_components(context.speed, angle_deg)
-    impact = contact.replace(work_of_adhesion=work), v_n, along
-    limits = [planar(*impact, friction_basis=basis) for basis in FRICTION_BASES]
+    impact = contact.replace(work_of_adhesion=work), context.speed, angle_deg
+    limits = [simulate(*impact, friction_basis=basis) for basis in FRICTION_BASES]
+    along = context.speed * np.cos(np.radians(angle_deg))
     momentum = max((along - i.tangential_velocity) / context.speed for i in limits)
     difference = max(abs(i.impulse_ratio - contact.friction) for i in limits)
     return {

@@ -14,6 +14,7 @@ from typing import Annotated, get_args
 
 import numpy as np
 import pandas as pd
+import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
@@ -24,7 +25,7 @@ from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.statistics import importance
 from microimpact.statistics.distributions import generator
 from study.declared.parameters import Count, Name, Points, Seed
-from study.studies.contacts import BAND, DRAWN, of_kind
+from study.studies.contacts import ALL_LAWS, BAND, DRAWN, of_kind
 from study.studies.models.inference.case import (
     Case,
     Judged,
@@ -50,7 +51,6 @@ NEEDS = {"calibration": ("calibration",)}
 # Scenarios whose contacts are shown against the speed.
 SHOWN = ("without the printed v_c", "with the printed v_c")
 COLUMNS = ("low", "median", "high")
-ALL_LAWS = "all laws"
 # Free parameters for which ``first`` is; with each one less, half as many contacts are drawn, but
 # not less than a quarter.
 AXES, FEWEST = 5, 2
@@ -204,13 +204,12 @@ def weigh(law: str, judged: Judged, scenario: Scenario, pool: importance.Pool) -
     likelihood = judged.likelihood(scenario)
     share = prior_share(judged.case.laws[law], scenario)
     logs = pool.log_weights(likelihood.total) - np.log(share)
-    weights = np.exp(logs - np.max(logs))
     return Weighed(
         law=law,
         judged=judged,
         scenario=scenario,
         likelihood=likelihood,
-        weights=weights / np.sum(weights),
+        weights=scipy.special.softmax(logs),
         result=importance.integral(logs, pool.tried),
     )
 
@@ -218,8 +217,7 @@ def weigh(law: str, judged: Judged, scenario: Scenario, pool: importance.Pool) -
 def summary(head: Row, case: Case, weighed: list[Weighed]) -> list[Row]:
     """Return the quantities of a scenario by each law, and by all of them."""
     evidence = np.array([each.result.log for each in weighed])
-    probability = np.exp(evidence - np.max(evidence))
-    probability /= np.sum(probability)
+    probability = scipy.special.softmax(evidence)
     rows: list[Row] = []
     for each, share in zip(weighed, probability, strict=True):
         names = counted(case, each.scenario)
@@ -275,18 +273,12 @@ def weighted(value: FloatArray, weights: FloatArray) -> FloatArray:
     return np.quantile(value[known], BAND, weights=weights[known], method="inverted_cdf")
 
 
-def probabilities(logs: FloatArray) -> FloatArray:
-    """Probabilities of alternatives (n, k) from their log likelihoods."""
-    shares = np.exp(logs - np.max(logs, axis=1, keepdims=True))
-    return np.asarray(shares / np.sum(shares, axis=1, keepdims=True))
-
-
 def statement_rows(head: Row, case: Case, weighed: Weighed) -> list[Row]:
     """Return each statement beside the values of the contacts of a scenario and law.
 
     A statement that the scenario leaves out has a row, too: what the contacts predict for it.
     """
-    share = probabilities(weighed.likelihood.by_basis)
+    share = scipy.special.softmax(weighed.likelihood.by_basis, axis=1)
     error, known = case.normal_error(weighed.scenario), counted(case, weighed.scenario)
     rows: list[Row] = []
     for name, statement in case.statements.items():
@@ -297,7 +289,7 @@ def statement_rows(head: Row, case: Case, weighed: Weighed) -> list[Row]:
             if statement.quantity in FRICTIONAL and share.shape == value.shape:
                 each = share
             elif name in known:  # the open angle or size, by what it says
-                each = probabilities(weighed.judged.log(weighed.scenario, name))
+                each = scipy.special.softmax(weighed.judged.log(weighed.scenario, name), axis=1)
             value, turning = value.ravel(), turning.ravel()
             weights = (weights[:, None] * each).ravel()
         low, high = statement.interval
