@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from annotated_types import Ge, Le
 
 from microimpact.core.arrays import Real
 from microimpact.core.materials import Material, materials_from_rows
@@ -35,8 +34,6 @@ DRAWN = {
 
 # Laws of contact.
 Kind = Literal["ring force", "jkr", "thornton-ning", "hysteresis"]
-# A speed far above capture, in capture velocities.
-PlateauRatio = Annotated[float, Ge(2), Le(1000)]
 # Printed numbers have two or three digits.
 DIGITS = 0.01
 CAPTURE_VELOCITIES = (

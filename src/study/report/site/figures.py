@@ -150,7 +150,7 @@ def figures(
             explorer=explored(study, declared),
             departures=departures(declared, [study], needed),
             contacts=()
-            if ".schematics." in entry["module"]
+            if ".schematics." in entry.get("module", "")
             else contacts(entry, declared, calibration),
             equations=tuple(
                 row for row in ledgers["equations"] if row["equation"] in entry.get("equations", ())

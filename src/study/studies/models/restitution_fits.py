@@ -39,8 +39,6 @@ _frame = partial(series_frame, "restitution", x_unit="m_per_s", y_unit="1")
 # like a root.
 DRAWN_FROM = 0.7
 JUST_ABOVE = np.geomspace(1e-5, 0.03, 12)
-# Height of the line that marks the capture velocity of a fit.
-V_C_MARK = 0.1
 
 # Smooth curves.
 CURVE_POINTS = 300
@@ -118,10 +116,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         rows += [_row(name, known, evidence, fit) for fit in fits]
         free = fits[0]
         speed = _speeds(DRAWN_FROM * limit, free.v_c, largest, CURVE_POINTS)
-        figure_frames += [
-            _frame(f"{name}, fit", speed, free.curve(speed), evidence),
-            _frame(f"{name}, v_c of the fit", free.v_c, [0.0, V_C_MARK], evidence),
-        ]
+        figure_frames.append(_frame(f"{name}, fit", speed, free.curve(speed), evidence))
         mark = _frame(f"printed, {printed:g} m/s", printed, 0.0, "printed")
         if np.isfinite(printed) and not any(mark.equals(frame) for frame in figure_frames):
             figure_frames.append(mark)
