@@ -16,18 +16,14 @@ from study.tables import RESULT_EVIDENCE
 
 Range = Annotated[tuple[Finite, Finite], Ascending]
 Place = Literal[
-    "best",
+    "above",
     "upper left",
-    "upper center",
     "upper right",
-    "center left",
-    "center",
     "center right",
     "lower left",
-    "lower center",
     "lower right",
+    "lower center",
 ]
-
 Line = Literal["solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot", "loose dashed"]
 Mark = Literal["circle", "square", "triangle"]
 
@@ -110,7 +106,7 @@ class PanelSpec:
     y_steps: tuple[Positive, ...] = ()
     level: Finite | None = None
     legend: str = ""
-    legend_place: Place | Literal["above"] = "above"
+    legend_place: Place = "above"
     shows: str = ""
     fixed: bool = False
     joined: bool = False

@@ -27,7 +27,7 @@ from microimpact.model.closed_forms import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from study.declared.parameters import CaseName, Must, Points, Positive
+from study.declared.parameters import CaseName, Points, Positive
 from study.studies.contacts import (
     CAPTURE_VELOCITIES,
     calibrated_contact,
@@ -45,6 +45,8 @@ MODEL, JKR = "model", "jkr"
 BRACH_DUNN, DAHNEKE = "brach_dunn_1992", "dahneke_1971"
 YIELD = "thornton_ning_yield"
 
+# Ends of the axis; the article's spheres have 1.27 to 125 um.
+DIAMETERS_UM = (1.0, 125.0)
 # Far above capture, in capture velocities, restitution hardly depends on adhesion.
 PLATEAU = 10.0
 # One per cent of the diameter to either side: errors of the exponent below 1e-5.
@@ -60,11 +62,9 @@ class PairCase:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """The pairs, and the range of diameters."""
+    """The pairs, and over how many diameters they are drawn."""
 
     pairs: Annotated[dict[CaseName, PairCase], Field(min_length=1)]
-    smallest_diameter_um: Positive
-    largest_diameter_um: Annotated[Positive, Must("above", "smallest_diameter_um")]
     points: Points
 
 
@@ -160,7 +160,7 @@ def _curves(
     laws: Mapping[str, Law],
     evidence: Mapping[str, str],
 ) -> list[pd.DataFrame]:
-    diameter = np.geomspace(params.smallest_diameter_um, params.largest_diameter_um, params.points)
+    diameter = np.geomspace(*DIAMETERS_UM, params.points)
     sized = resized(contact, diameter * 1e-6)
     frames = []
     for name, law in laws.items():

@@ -13,7 +13,7 @@ from microimpact.core.arrays import FloatArray
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.fit import RestitutionFit, fit_restitution
-from study.declared.parameters import AboveOne, CaseName, Fraction, Positive
+from study.declared.parameters import AboveOne, CaseName, Fraction
 from study.studies.contacts import (
     CAPTURE_VELOCITIES,
     calibrated_contact,
@@ -40,6 +40,8 @@ _frame = partial(series_frame, "restitution", x_unit="m_per_s", y_unit="1")
 DRAWN_FROM = 0.7
 JUST_ABOVE = np.geomspace(1e-5, 0.03, 12)
 
+# End of the axis of Fig. 16, m/s.
+LARGEST_SPEED = 3.0
 # Smooth curves.
 CURVE_POINTS = 300
 # As many as events in an experiment.
@@ -55,7 +57,7 @@ class FittedCase:
     """
 
     figure: Literal["fig15", "fig16"]
-    fitted: bool
+    fitted: bool = True
     fitted_to: AboveOne
 
 
@@ -69,7 +71,6 @@ class Params:
     cases: dict[CaseName, FittedCase]
     fitted_from: AboveOne
     fixed_exponent: Fraction
-    largest_speed_m_per_s: Positive
 
     def __post_init__(self) -> None:
         """Refuse a figure without a case."""
@@ -99,7 +100,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         known: Row = {"simulated_v_c_m_per_s": limit, "printed_v_c_m_per_s": printed}
         is_fitted = fitted_to(inputs, name, "capture_velocity")
         evidence = "calibrated" if is_fitted else "computed"
-        largest = max(params.largest_speed_m_per_s, case.fitted_to * limit)
+        largest = max(LARGEST_SPEED, case.fitted_to * limit)
         speed = _speeds(DRAWN_FROM * limit, limit, largest, CURVE_POINTS)
         e = simulate(contact, speed).coefficient_of_restitution
         digitised_rows, curves = _digitised_fits(
