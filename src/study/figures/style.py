@@ -7,6 +7,7 @@ import math
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -254,9 +255,7 @@ def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[st
     if panel.fixed and panel.shows:  # an enlarged view stays one
         points = points[points[x].between(*ax.get_xlim())]
     else:
-        ax.set_xlim(widened(ax.get_xlim(), points[x].to_numpy(float), log=ax.get_xscale() == "log"))
-        heights = points[[y, "y_low", "y_high"]].to_numpy(float)
-        ax.set_ylim(widened(ax.get_ylim(), heights, log=ax.get_yscale() == "log"))
+        _grow(ax, points, replace(panel, fixed=False))
     entries = []
     for series, rows in points.groupby("series", sort=False):
         evidence, name = points_parts(str(series))

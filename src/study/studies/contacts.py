@@ -142,18 +142,8 @@ def solved_contacts(inputs: Tables, cases: Iterable[str]) -> dict[str, Contact]:
     return contacts
 
 
-def posterior_contact(inputs: Tables, rows: pd.DataFrame, **changes: Any) -> Contact:
-    """Return contacts of one law as one contact of arrays (draws,).
-
-    Parameters
-    ----------
-    inputs
-        ``materials``, declared rows.
-    rows
-        Of the table ``posterior_contacts``.
-    **changes
-        Fields of `Contact` in place of those of the table.
-    """
+def posterior_contact(inputs: Tables, rows: pd.DataFrame) -> Contact:
+    """Return contacts of one law, rows of ``posterior_contacts``, as one of arrays (draws,)."""
     of_ring: dict[str, Any] = {field: rows[name].to_numpy(float) for name, field in DRAWN.items()}
     of_ring["diameter"] = of_ring["diameter"] * 1e-6
     kind = rows["contact_law"].iloc[0]
@@ -164,7 +154,7 @@ def posterior_contact(inputs: Tables, rows: pd.DataFrame, **changes: Any) -> Con
     if kind != "ring force":
         numbers = rows.dropna(axis=1).select_dtypes("number")
         contact = of_kind(contact, kind, {str(name): numbers[name].to_numpy() for name in numbers})
-    return contact.replace(**changes)
+    return contact
 
 
 def posterior_beside(
