@@ -126,8 +126,8 @@ def test_intervals_hold_v_c_where_the_scatter_is_told_and_warn_where_it_is_not(t
 def test_drawn_contacts_predict_other_sizes_as_often_as_they_say(tables):
     predicted = tables["capture_predictions"]
     assert sorted(set(predicted["truth"])) == ["ring force, n = 0.7", "viscous JKR"]
-    assert (predicted["sets"] + predicted["without_convergence"] >= 80).all()
-    assert predicted["coverage"].between(0.85, 0.98).all()
+    assert (predicted["sets"] + predicted["without_convergence"] >= 300).all()
+    assert predicted["coverage"].between(0.85, 0.96).all()
     figure = tables["averaged_coverage"].query("panel == 'at other sizes'")
     assert len(figure) == len(predicted) + 2
 
