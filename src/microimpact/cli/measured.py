@@ -19,7 +19,7 @@ from microimpact.model.contact_laws import RING_FORCE
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
-    from microimpact.model.law_draws import LawDraws
+    from microimpact.model.posterior import LawDraws
 
 # What a file may leave to options: the columns, and the options.
 _SPREADS = {"sigma": "--sigma", "sigma_v": "--sigma-v", "size_scatter": "--size-scatter"}
@@ -184,7 +184,7 @@ def calibrate_command(
 
 def _by_laws(start: Contact, measured: Rebounds, draws: int, seed: int) -> LawDraws:
     """Draws by several laws."""
-    from microimpact.model.law_draws import calibrate_laws
+    from microimpact.model.posterior import calibrate_laws
 
     sigma: Any = measured.sigma
     spreads = {name: getattr(measured, name) for name in ("sigma_v", "d", "size_scatter")}
