@@ -24,7 +24,6 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import planar, simulate, spatial
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
-from microimpact.model.law.table import tabulate
 from microimpact.model.separation import jkr_pull_off
 
 EVERY = [
@@ -183,11 +182,6 @@ class TestJKR:
         )
         assert np.array_equal(alone.contact_time, impact.contact_time[3:8])
 
-    def test_a_bulk_too_viscous_captures_at_any_speed(self, build):
-        contact = build(JKR(viscous_time=1e-5))
-        assert capture_velocity(contact) == math.inf
-        assert normal_impact(contact, 2.0).captured
-
     @pytest.mark.parametrize("viscous_time", [1e-7, 1e-6, 1e-4])
     def test_overdamped_spheres_creep_or_turn_and_stay(self, build, viscous_time):
         """Hard ones turn beyond equilibrium, soft ones creep towards it; neither fails."""
@@ -201,14 +195,14 @@ class TestJKR:
         assert np.all(impact.maximum_compression >= least * (1 - 1e-6))
         assert impact.maximum_compression[0] == pytest.approx(least, rel=1e-6)
 
-    def test_beyond_double_precision_it_says_so(self, build):
-        with pytest.raises(ValueError, match=r"law\.viscous_time must be at most .* got 0\.001"):
-            normal_impact(build(JKR(viscous_time=1e-3), work=0.0), 1.0)
-
     def test_heavily_damped_restitution_goes_with_the_fifth_power(self, build):
         times = np.array([1e-6, 2e-6])
-        e = normal_impact(build(JKR(viscous_time=times), work=0.0), 1.0).coefficient_of_restitution
+        contact = build(JKR(viscous_time=times), work=0.0)
+        assert not capture_velocity(contact).any()
+        e = normal_impact(contact, 1.0).coefficient_of_restitution
         assert math.log2(e[1] / e[0]) == pytest.approx(-5.0, abs=1e-4)
+        with pytest.raises(ValueError, match=r"law\.viscous_time must be at most .* got 0\.001"):
+            normal_impact(build(JKR(viscous_time=1e-3), work=0.0), 1.0)
 
 
 class TestThorntonNing:
@@ -220,11 +214,6 @@ class TestThorntonNing:
         e = normal_impact(contact, self.SPEED).coefficient_of_restitution
         np.testing.assert_allclose(e, plastic_restitution(self.SPEED, limit), rtol=1e-13)
         assert normal_impact(contact, 0.999 * limit).coefficient_of_restitution == pytest.approx(1)
-
-    def test_at_high_speed_it_falls_with_the_fourth_root(self, build):
-        contact = build(ThorntonNing(yield_pressure=2e9))
-        e = normal_impact(contact, np.array([1e6, 2e6])).coefficient_of_restitution
-        assert math.log2(e[1] / e[0]) == pytest.approx(-0.25, abs=2e-3)
 
     def test_loading_is_that_of_the_published_stiffness(self, build):
         """dP/dx = (3 pi R p_y P_1^(1/2) - 2 R* E* a P_c^(1/2)) / (3 P_1^(1/2) - P_c^(1/2))."""
@@ -303,12 +292,6 @@ class TestHysteresis:
             assert impact.losses.adhesion[i] == pytest.approx(lost, rel=1e-9)
         assert not impact.losses.bulk.any()
 
-    def test_its_loss_fades_at_high_speed(self, build):
-        """The loss goes with the area, v^(4/5), the energy with v^2: no plateau below one."""
-        contact = build(Hysteresis(unloading_work=4.0))
-        lost = 1 - normal_impact(contact, np.array([1e4, 2e4])).coefficient_of_restitution ** 2
-        assert math.log2(lost[1] / lost[0]) == pytest.approx(-1.2, abs=2e-3)
-
     def test_it_does_not_gain_energy(self, build):
         with pytest.raises(ValueError, match=r"law\.unloading_work must not be below .*0\.5"):
             build(Hysteresis(unloading_work=0.4))
@@ -318,9 +301,6 @@ class TestHysteresis:
 class TestEveryLaw:
     def test_oblique_impacts_take_it(self, build, law):
         contact = build(law)
-        shallow, steep = simulate(contact, 1.66, [10.0, 80.0], friction_basis="pull-off").rolling
-        assert not shallow
-        assert steep
         plane = planar(contact, -0.5, 1.2, 1e4)
         space = spatial(contact, (1.2, 0.0, -0.5), (0.0, 1e4, 0.0))
         assert space.velocity[0] == pytest.approx(plane.tangential_velocity, rel=1e-13)
@@ -363,25 +343,6 @@ class TestEveryLaw:
         assert path.velocity[-1] == pytest.approx(0.0, abs=1e-6 * path.velocity.max())
         assert path.compression[-1] < 0.5 * path.compression.max()
 
-    def test_a_table_over_sizes_is_integration(self, build, law):
-        contact = build(law, diameter=np.geomspace(40e-6, 80e-6, 5))
-        tolerance = 1e-4 if isinstance(law, ThorntonNing) else 1e-6
-        table = tabulate(contact, 1e-3, 20.0, tolerance)
-        speed = np.geomspace(2e-3, 19.0, 300)[:, None]
-        looked_up, integrated = table.simulate(speed, 60.0), simulate(contact, speed, 60.0)
-        assert np.array_equal(looked_up.captured, integrated.captured)
-        assert table.error <= tolerance
-        for name in ("coefficient_of_restitution", "maximum_compression", "contact_time"):
-            finite = np.isfinite(integrated.contact_time)
-            expected, found = (getattr(i, name)[finite] for i in (integrated, looked_up))
-            bound = looked_up.interpolation_error[finite] * expected
-            assert np.all(np.abs(found - expected) <= bound)
-        other = contact.replace(work_of_adhesion=0.6)
-        with pytest.raises(ValueError, match="one that the table was made for"):
-            table.normal_impact(other, 1.0)
-        with pytest.raises(ValueError, match="'pull-off' is not in a table: take 'compressive'"):
-            table.simulate(1.0, 60.0, friction_basis="pull-off")
-
     def test_what_needs_the_ring_force_says_what_to_do(self, build, law):
         contact = build(law)
         with pytest.raises(ValueError, match=f"'ring force', got '{law.name}': take 'rigid'"):
@@ -391,11 +352,8 @@ class TestEveryLaw:
         said = f"contact must have the law 'ring force' here, got '{law.name}'"
         with pytest.raises(ValueError, match=said):
             normal_impact(contact, 1.0, ledger=True)
-
-
-def test_the_ring_force_has_no_friction_of_thornton_and_yin(contact):
-    with pytest.raises(ValueError, match="'pull-off' does not go with the law 'ring force'"):
-        simulate(contact, 1.0, 45.0, friction_basis="pull-off")
+        with pytest.raises(ValueError, match="'pull-off' does not go with the law 'ring force'"):
+            simulate(build("ring force"), 1.0, 45.0, friction_basis="pull-off")
 
 
 def test_parameters_of_a_law_are_arrays_too(build):
@@ -406,46 +364,34 @@ def test_parameters_of_a_law_are_arrays_too(build):
     assert e[0] == pytest.approx(normal_impact(build(JKR()), 1.0).coefficient_of_restitution)
 
 
-def test_without_adhesion_nothing_is_captured(build):
-    for law in (JKR(viscous_time=1e-9), ThorntonNing(yield_pressure=1e9)):
-        assert capture_velocity(build(law, work=0.0)) == 0.0
+TN = ThorntonNing(yield_pressure=1e9)
 
 
 @pytest.mark.parametrize(
-    ("law", "error", "said"),
+    ("law", "changes", "error", "message"),
     [
-        ("hertz", ValueError, "law must be one of 'ring force', 'jkr', 'thornton-ning'"),
-        ("hysteresis", ValueError, r"law=Hysteresis\(unloading_work="),
-        (3.0, TypeError, "law must be 'ring force' or one of JKR"),
+        ("hertz", {}, ValueError, "law must be one of 'ring force', 'jkr', 'thornton-ning'"),
+        ("hysteresis", {}, ValueError, r"law=Hysteresis\(unloading_work="),
+        (3.0, {}, TypeError, "law must be 'ring force' or one of JKR"),
+        *(
+            (TN, {field: value}, ValueError, f"law 'thornton-ning' does not know {field}")
+            for field, value in (
+                ("hertz_damping", 0.1),
+                ("adhesion_damping", [0.0, 1.0]),
+                ("stiffness_model", "reduced"),
+                ("damped_attachment", True),
+            )
+        ),
+        (TN, {"work": None, "ring_force": 1.0}, ValueError, "does not know ring_force"),
     ],
 )
-def test_a_law_is_a_record_or_a_name(build, law, error, said):
-    with pytest.raises(error, match=said):
-        build(law)
-
-
-def test_names_of_laws(build):
+def test_a_law_is_a_record_or_a_name_without_parameters_of_the_ring_force(
+    build, law, changes, error, message
+):
+    with pytest.raises(error, match=message):
+        build(law, **changes)
     assert build("ring force").law is None
     assert build("jkr").law.viscous_time == 0.0
-
-
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [
-        ("hertz_damping", 0.1),
-        ("adhesion_damping", [0.0, 1.0]),
-        ("stiffness_model", "reduced"),
-        ("damped_attachment", True),
-    ],
-)
-def test_what_belongs_to_the_ring_force_is_refused(build, field, value):
-    with pytest.raises(ValueError, match=f"law 'thornton-ning' does not know {field}"):
-        build(ThorntonNing(yield_pressure=1e9), **{field: value})
-
-
-def test_a_law_needs_the_work_of_adhesion(steel, silicon):
-    with pytest.raises(ValueError, match="law 'jkr' does not know ring_force"):
-        Contact(particle=steel, surface=silicon, diameter=6e-5, ring_force=1.0, law=JKR())
 
 
 @pytest.mark.parametrize("value", [-1e-9, math.nan, "1", True])

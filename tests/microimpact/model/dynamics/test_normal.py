@@ -51,25 +51,14 @@ def conditioning(row):
 
 
 @pytest.mark.parametrize("row", REFERENCE, ids=_label)
-def test_restitution_agrees_with_the_table_of_high_precision(scaled, row):
-    contact, speed, *_ = in_units_of_the_table(scaled, row)
-    e = normal_impact(contact, speed).coefficient_of_restitution
-    # e ~ sqrt(v/v_c - 1): within 1e-6 of the threshold a speed given to 16 digits gives e to 10.
-    assert abs(e / row["e"] - 1) <= max(1e-12, 100 * conditioning(row))
-
-
-@pytest.mark.parametrize("row", REFERENCE, ids=_label)
-def test_contact_time_and_compression_agree_with_the_table(scaled, row):
-    contact, speed, _, time, length = in_units_of_the_table(scaled, row)
+def test_impacts_agree_with_the_table_of_high_precision(scaled, row):
+    contact, speed, velocity, time, length = in_units_of_the_table(scaled, row)
     impact = normal_impact(contact, speed)
+    # e ~ sqrt(v/v_c - 1): within 1e-6 of the threshold a speed given to 16 digits gives e to 10.
     tolerance = max(1e-12, 100 * conditioning(row))
+    assert abs(impact.coefficient_of_restitution / row["e"] - 1) <= tolerance
     assert abs(impact.contact_time / time / row["contact_time"] - 1) <= tolerance
     assert abs(impact.maximum_compression / length / row["compression"] - 1) <= 1e-12
-
-
-@pytest.mark.parametrize("row", [r for r in REFERENCE if r["capture_speed"] > 0], ids=_label)
-def test_capture_velocity_agrees_with_the_table(scaled, row):
-    contact, _, velocity, *_ = in_units_of_the_table(scaled, row)
     assert capture_velocity(contact) / velocity == pytest.approx(row["capture_speed"], rel=2e-12)
 
 
@@ -161,13 +150,6 @@ class TestWithoutDamping:
             deepest, rel=1e-12
         )
 
-    def test_a_sphere_from_rest_reaches_five_thirds_of_the_equilibrium(self, scaled):
-        contact = scaled()
-        impact = normal_impact(contact, 1e-9 * contact.velocity_scale)
-        assert impact.maximum_compression / contact.equilibrium_compression == pytest.approx(
-            5 / 3, rel=1e-13
-        )
-
 
 class TestNearTheThreshold:
     @pytest.mark.parametrize(("c_h", "c_a"), [(0.0, 1e-10), (1e-10, 0.0), (3e-11, 1e-10)])
@@ -182,24 +164,6 @@ class TestNearTheThreshold:
         assert capture_velocity(contact) / contact.velocity_scale == pytest.approx(
             predicted, rel=predicted
         )
-
-    @pytest.mark.parametrize(("c_h", "c_a"), [(0.0, 0.01), (0.1, 0.0), (0.05, 0.5)])
-    def test_restitution_rises_as_the_square_root_of_the_excess_speed(self, scaled, c_h, c_a):
-        contact = scaled(c_h, c_a)
-        excess = np.array([1e-5, 1e-6, 1e-7])
-        impact = normal_impact(contact, capture_velocity(contact) * (1 + excess))
-        assert not impact.captured.any()
-        exponent = np.diff(np.log(impact.coefficient_of_restitution)) / np.diff(np.log(excess))
-        assert exponent == pytest.approx(0.5, abs=2e-3)
-
-    def test_contact_ends_at_no_compression_and_not_before(self, scaled):
-        """At equilibrium or where the force vanishes the sphere is still faster."""
-        contact = scaled(0.0, 0.1)
-        impact = normal_impact(contact, 2.0 * contact.velocity_scale, ledger=True)
-        assert impact.ledger.stored == 0.0
-        e = impact.coefficient_of_restitution
-        at_equilibrium = np.sqrt(e**2 + 2 * 4 / 15 / 2.0**2)
-        assert at_equilibrium > e + 0.05
 
     def test_contacts_that_always_capture_do_so_at_every_speed(self, scaled):
         speed = scaled().velocity_scale * np.geomspace(1e-2, 1e3, 21)
@@ -249,35 +213,22 @@ class TestLedger:
             )
             change = contact.mass * speed * (1 + impact.coefficient_of_restitution)
             assert total == pytest.approx(change, rel=1e-12)
+            assert ledger.stored == ledger.hertz_damping_impulse == 0.0 > ledger.adhesion_impulse
 
-    def test_material_damping_has_no_impulse_on_the_whole(self, scaled):
-        contact = scaled(0.2, 0.1)
-        ledger = normal_impact(contact, 5 * contact.velocity_scale, ledger=True).ledger
-        assert ledger.hertz_damping_impulse == 0.0
-        assert ledger.adhesion_damping_impulse < 0.0
-
-    def test_it_is_kept_only_when_asked_for(self, contact):
-        impact = normal_impact(contact, 1.0)
-        assert impact.ledger is None
-        assert impact.hertz_impulse is None
-
-
-class TestShapes:
     def test_a_speed_beyond_double_precision_is_an_error(self, contact):
         slow = 0.5 * SMALLEST_SPEED * contact.velocity_scale
         with pytest.raises(ValueError, match=r"speed must be at least 1e-30 .* got .* m/s"):
             normal_impact(contact, slow)
+        with pytest.raises(ValueError, match=r"hertz_damping times speed must be at most 1e\+15"):
+            normal_impact(contact.replace(hertz_damping=1e16), 1.0)
 
 
 class TestHeavyDamping:
     """Far above c_H v = 1 a rebound creeps, and the integration alone would not end."""
 
-    def bare(self, contact):
-        return contact.replace(work_of_adhesion=0.0, adhesion_damping=0.0, hertz_damping=1.0)
-
     @pytest.mark.parametrize("damping", [2e4, 1e8, 1e12, 9e14])
     def test_a_sphere_leaves_at_one_over_the_damping(self, contact, damping):
-        heavy = self.bare(contact).replace(hertz_damping=damping)
+        heavy = contact.replace(work_of_adhesion=0.0, adhesion_damping=0.0, hertz_damping=damping)
         impact = normal_impact(heavy, np.array([1.0, 1.1]), ledger=True)
         # exactly, y = c_H V obeys -y - ln(1 - y) = C - ln(1 + C): y = 1 but for exp(-C)
         assert impact.coefficient_of_restitution == pytest.approx(
@@ -319,7 +270,3 @@ class TestHeavyDamping:
         assert quick.ledger.adhesion_impulse == pytest.approx(
             slow.ledger.adhesion_impulse, rel=1e-8
         )
-
-    def test_beyond_double_precision_it_says_so(self, contact):
-        with pytest.raises(ValueError, match=r"hertz_damping times speed must be at most 1e\+15"):
-            normal_impact(contact.replace(hertz_damping=1e16), 1.0)
