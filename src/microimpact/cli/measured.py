@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from microimpact.cli.contacts import contact_of, contact_options
+from microimpact.cli.contacts import contact_of, contact_options, quantiles
 from microimpact.cli.output import number, patience, print_json, print_table, warn
-from microimpact.model.choices import CALIBRATED, INTERVAL
+from microimpact.model.choices import CALIBRATED
 from microimpact.model.contact_laws import RING_FORCE
 
 if TYPE_CHECKING:
@@ -317,5 +317,5 @@ def _spread(name: str, text: str | float, measured: Rebounds) -> Any:
 
 
 def _range(values: Any, best: Any) -> dict[str, float]:
-    low, middle, high = np.quantile(values, INTERVAL, method="nearest")
+    low, middle, high = quantiles(values)
     return {"best": float(best), "median": middle, "low": low, "high": high}

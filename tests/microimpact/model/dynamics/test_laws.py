@@ -21,7 +21,7 @@ from microimpact.model.closed_forms import (
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import planar, simulate, spatial
+from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.separation import jkr_pull_off
@@ -146,20 +146,6 @@ class TestJKR:
         assert e == pytest.approx(1 - first + 0.6 * first**2, abs=max(first**3, 1e-14))
         assert 3 * 1.25**0.6 * 0.4 * beta(0.6, 1.5) / 1.5 == pytest.approx(1.15344, rel=1e-5)
 
-    def test_integration_and_closed_form_meet(self, build):
-        speed = np.geomspace(0.018, 20.0, 30)
-        closed = normal_impact(build(JKR()), speed)
-        followed = normal_impact(build(JKR(viscous_time=1e-30)), speed)
-        for name, error in {
-            "coefficient_of_restitution": 1e-11,
-            "contact_time": 1e-6,
-            "compression_time": 1e-10,
-            "maximum_compression": 1e-13,
-            "compressive_impulse": 1e-12,
-            "peak_net_impulse": 1e-12,
-        }.items():
-            assert getattr(closed, name) == pytest.approx(getattr(followed, name), rel=error)
-
     @pytest.mark.parametrize("viscous_time", [3e-10, 3e-9, 2e-8])
     def test_outcomes_are_smooth_in_the_size_and_do_not_depend_on_the_company(
         self, build, viscous_time
@@ -262,28 +248,13 @@ class TestThorntonNing:
         lost = book.energy(0.0, book.broken) - closing
         assert impact.losses.adhesion == pytest.approx(lost, rel=1e-6)
 
-    def test_a_hard_sphere_is_elastic(self, build):
-        hard = normal_impact(build(ThorntonNing(yield_pressure=1e12)), self.SPEED)
-        elastic = normal_impact(build(JKR()), self.SPEED)
-        for name in ("coefficient_of_restitution", "contact_time", "compressive_impulse"):
-            np.testing.assert_allclose(getattr(hard, name), getattr(elastic, name), rtol=1e-11)
-        np.testing.assert_allclose(hard.losses.bulk, 0.0, atol=1e-12 * elastic.losses.adhesion[0])
-
 
 class TestHysteresis:
-    SPEED = np.array([0.02, 0.3, 0.75, 1.66, 20.0])
-
-    def test_equal_works_give_the_elastic_contact(self, build):
-        same = normal_impact(build(Hysteresis(unloading_work=0.5)), self.SPEED)
-        elastic = normal_impact(build(JKR()), self.SPEED)
-        for name in ("coefficient_of_restitution", "contact_time", "peak_net_impulse"):
-            np.testing.assert_allclose(getattr(same, name), getattr(elastic, name), rtol=1e-13)
-
     @pytest.mark.parametrize("work", [0.0, 0.5, 3.9])
     def test_the_loss_is_that_of_area_and_of_both_ends(self, build, work):
         """(w_2 - w_1) pi a^2, the elastic contact that closes and the one that breaks."""
         contact = build(Hysteresis(unloading_work=4.0), work=work)
-        impact = normal_impact(contact, self.SPEED[2:])
+        impact = normal_impact(contact, np.array([0.75, 1.66, 20.0]))
         book, opening = Textbook(contact), Textbook(contact, 4.0)
         for i, compression in enumerate(impact.maximum_compression):
             a = brentq(lambda x, c=compression: book.compression(x) - c, 1e-7, 1e-4, xtol=1e-20)
@@ -297,15 +268,29 @@ class TestHysteresis:
             build(Hysteresis(unloading_work=0.4))
 
 
+@pytest.mark.parametrize(
+    "law",
+    [JKR(viscous_time=1e-30), ThorntonNing(yield_pressure=1e12), Hysteresis(unloading_work=0.5)],
+    ids=lambda law: law.name,
+)
+def test_without_viscosity_yield_or_hysteresis_it_is_the_elastic_contact(build, law):
+    """The viscous one is integrated, the elastic one a closed form."""
+    speed = np.geomspace(0.018, 20.0, 30)
+    found, elastic = (normal_impact(build(each), speed) for each in (law, JKR()))
+    for name, error in {
+        "coefficient_of_restitution": 1e-11,
+        "contact_time": 1e-6,
+        "compression_time": 1e-10,
+        "maximum_compression": 1e-13,
+        "compressive_impulse": 1e-11,
+        "peak_net_impulse": 1e-11,
+    }.items():
+        assert getattr(found, name) == pytest.approx(getattr(elastic, name), rel=error), name
+    assert np.all(np.abs(found.losses.bulk) <= 1e-12 * build(law).mass * speed**2)
+
+
 @every_law
 class TestEveryLaw:
-    def test_oblique_impacts_take_it(self, build, law):
-        contact = build(law)
-        plane = planar(contact, -0.5, 1.2, 1e4)
-        space = spatial(contact, (1.2, 0.0, -0.5), (0.0, 1e4, 0.0))
-        assert space.velocity[0] == pytest.approx(plane.tangential_velocity, rel=1e-13)
-        assert 0.0 < plane.energy_loss < 1.0
-
     def test_friction_of_thornton_and_yin_counts_twice_the_pull_off_force(self, build, law):
         contact = build(law)
         impact = normal_impact(contact, 0.4)
