@@ -173,26 +173,14 @@ def _places(lowest: int, octaves: int, split: int, points: FloatArray) -> FloatA
     return np.asarray((octave[:, None, None] * (1.0 + part)).reshape(octaves * split, -1))
 
 
-def piecewise(
-    sampled: Sampled, *, lowest: int, octaves: int, split: int, widths: int = 1, bands: int = 1
+def _piecewise(
+    sampled: Sampled, octaves: tuple[int, int], split: int, bands: int, widths: int
 ) -> Table:
-    """Table of a function.
-
-    Parameters
-    ----------
-    sampled
-        The function; quantities that are not needed are zero.
-    lowest, octaves
-        Binary exponent of the first octave of x, as of `math.frexp`, and their number.
-    split
-        Pieces per octave.
-    widths, bands
-        Nodes in g in a band, and number of bands.
-    """
+    """Table of a function, see `smallest`; quantities that are not needed are zero."""
 
     def points(along: FloatArray, across: FloatArray) -> tuple[FloatArray, ...]:
         """Places x and g, shape (bands, pieces, across, along)."""
-        x = _places(lowest, octaves, split, along)
+        x = _places(*octaves, split, along)
         g = (2.0 * np.arange(bands)[:, None] + 1.0 + across) / bands - 1.0
         return np.broadcast_arrays(x[None, :, None, :], g[:, None, :, None])
 
@@ -205,7 +193,7 @@ def piecewise(
             sampled(np.ravel(x), np.ravel(g)).reshape(WIDTH, *x.shape),
             order="C",
         ),
-        lowest=lowest,
+        lowest=octaves[0],
         split=split,
         error=0.0,
     )
@@ -233,13 +221,15 @@ def smallest(
     Parameters
     ----------
     sampled
-        The function, see `piecewise`.
+        The function.
     octaves
-        Binary exponent of the first octave, and their number.
+        Binary exponent of the first octave of x, as of `math.frexp`, and their number.
     tolerance
         Largest error, which is stated `SAFETY` times as large as measured.
-    splits, bands, widths
-        As of `piecewise`; of the former two those that are tried in turn.
+    splits, bands
+        Pieces per octave and bands of g that are tried in turn.
+    widths
+        Nodes in g in a band.
     error
         Measure of a table's error, which the table states; that between the nodes if not given.
 
@@ -250,9 +240,7 @@ def smallest(
     """
     least = math.inf
     for split, band in product(splits, bands):
-        table = piecewise(
-            sampled, lowest=octaves[0], octaves=octaves[1], split=split, widths=widths, bands=band
-        )
+        table = _piecewise(sampled, octaves, split, band, widths)
         stated = SAFETY * error(table)
         if stated <= tolerance:
             return replace(table, error=stated)

@@ -39,8 +39,8 @@ def test_it_separates_capture_from_rebound(scaled, exponent, damped):
     )
     # 45 halvings leave 1e-12 of the speed
     assert capture_velocity(contact) == pytest.approx(bisected(contact), rel=1e-11)
-    hopeless = contact.replace(hertz_damping=0.6 / contact.velocity_scale)
-    assert np.isinf(capture_velocity(hopeless)).all()
+    overdamped = contact.replace(hertz_damping=0.6 / contact.velocity_scale)
+    assert np.isinf(capture_velocity(overdamped)).all()
 
 
 def test_arrays_give_what_each_contact_gives_alone(scaled):
