@@ -198,6 +198,11 @@ def test_a_table_over_sizes_by_another_law_is_integration(contact, law):
         rebounds = ~expected.captured
         exact, value = (getattr(i, name)[rebounds] for i in (expected, found))
         assert np.all(np.abs(value - exact) <= found.interpolation_error[rebounds] * exact)
+    found, expected = table.simulate(speed, 15.0), simulate(contact, speed, 15.0)
+    slides = ~expected.rolling
+    assert np.count_nonzero(slides) > 500
+    error = np.abs(found.impulse_ratio / expected.impulse_ratio - 1.0)[slides]
+    assert np.all(error <= 2.0 * found.interpolation_error[slides])
     with pytest.raises(ValueError, match="'pull-off' is not in a table: take 'compressive'"):
         table.simulate(1.0, 60.0, friction_basis="pull-off")
 
