@@ -655,23 +655,10 @@ def _with_options(
 def _from_file(
     file: str, sizes: Mapping[str, float], others: Mapping[str, Any], missing: Sequence[str]
 ) -> Chosen:
-    """Contacts of a file, at another diameter or with a second sphere if these are given.
+    """Contacts of a file, at other diameters (m) if these are given.
 
-    Parameters
-    ----------
-    file
-        As `measured.contacts.write_contacts` writes it.
-    sizes
-        Diameters, m, by the names of fields.
-    others
-        All other options, which must not be set.
-    missing
-        Options that the command lacks.
-
-    Raises
-    ------
-    OSError, ValueError
-        If the file cannot be read, or options are set or missing.
+    Raises OSError or ValueError if the file cannot be read, other options are set, or some that the
+    command needs are missing.
     """
     from microimpact.measured.contacts import read_contacts
     from microimpact.model.contact import resized

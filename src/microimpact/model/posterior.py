@@ -360,19 +360,7 @@ def _chain(
 ) -> ensemble.Draws:
     """Draw in so many steps, or in twice or four times as many if the chains do not agree.
 
-    Parameters
-    ----------
-    log_density, low, high, draws, steps, seed
-        As of `ensemble.draw`.
-    names
-        Names of the axes.
-    law
-        Law of contact of the chains, for the message.
-
-    Raises
-    ------
-    NoConvergenceError
-        If they still are not worth so many draws.
+    Raises NoConvergenceError, naming the worst axis, if they still are not worth so many draws.
     """
     most = steps * 2**DOUBLINGS
     chain = ensemble.draw(log_density, low, high, draws=draws, steps=steps, seed=seed)
