@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.cases import GROUPS, Cases, as_contact, as_hertz_pair, as_jkr_contact
+from microimpact.model import passes
 from microimpact.model.closed_forms import hertz_contact_time
 from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.normal import integrate, normal_impact, scaled_problems
@@ -85,6 +86,6 @@ class Table:
 
     def __call__(self) -> np.ndarray:
         for chosen, tables, contact, speed in self.parts:
-            impact = tables.normal_impact(contact, speed)
-            self.restitution[chosen] = impact.coefficient_of_restitution
+            values, _ = tables.quantities(*tables.family.coordinates(contact, speed))
+            self.restitution[chosen] = values[passes.RESTITUTION]
         return self.restitution

@@ -67,8 +67,6 @@ _NUMBERS = {
     "friction": "Coulomb coefficient f.",
 }
 _FIELDS = [name.replace("-", "_") for name in _NUMBERS if not name.endswith("diameter-um")]
-# Numbers whose replacement makes another contact of a declared pair; w_A speaks for f_0.
-REPLACEABLE = (*CALIBRATED, "friction")
 # Properties of a pair, and their symbols.
 _SYMBOLS = {
     "diameter": "d",
@@ -86,6 +84,9 @@ _ELASTIC = {
     "poissons-ratio": ("poissons_ratio", 1.0, "nu"),
     "density": ("density", 1.0, "kg/m3"),
 }
+_BODIES = [
+    f"{role}_{name}".replace("-", "_") for role in ("particle", "surface") for name in _ELASTIC
+]
 # Parameters of other laws of the normal force: options, factors to SI, and words.
 _LAW_NUMBERS = {
     "viscous_time": ("viscous-time-ns", 1e-9, "Of jkr: relaxation time A of the bulk, ns."),
@@ -112,14 +113,14 @@ class Chosen:
     bests
         The best draws, or the contact itself.
     replaced
-        Numbers of the declared pair that options replaced: its own, and the present one.
+        Properties of the declared pair that options replaced.
     measured
         Diameter at which draws were calibrated, m; None for a contact that is no draw.
     """
 
     contacts: Mapping[str, Contact]
     bests: Mapping[str, Contact]
-    replaced: Mapping[str, tuple[float, float]]
+    replaced: Sequence[str] = ()
     measured: float | None = None
 
     @property
@@ -147,7 +148,7 @@ class Chosen:
         limits = [
             f"{number(middle)} ({number(low)} to {number(high)}) by {law}"
             for law, contact in self.contacts.items()
-            for low, middle, high in [_quantiles(capture_velocity(contact))]
+            for low, middle, high in [quantiles(capture_velocity(contact))]
         ]
         yield (
             f"the contacts were calibrated at {self.measured * 1e6:g} um and are extrapolated to "
@@ -176,13 +177,9 @@ class Chosen:
             return f"{title}\nThe best of {self.draws} contacts{laws}; intervals hold 95 % of them."
         if not self.replaced:
             return title
-        changes = ", ".join(
-            f"{name} {present:.4g} in place of {declared:.4g}"
-            for name, (declared, present) in self.replaced.items()
-        )
         kept = ", ".join(name for name in CALIBRATED[:4] if name not in self.replaced)
-        rest = f"; {kept} kept as declared" if kept else ""
-        return f"{title}\nNo longer the declared contact: {changes}{rest}."
+        changes = ", ".join(self.replaced)
+        return f"{title}\nNo longer the declared contact: {changes} by option, {kept} as declared."
 
     def inputs(self) -> dict[str, Any]:
         """All parameters in SI units, from which the answer can be computed again."""
@@ -194,8 +191,7 @@ class Chosen:
         inputs |= {"laws": laws} if len(laws) > 1 else next(iter(laws.values()))
         if contact.is_pair:
             inputs["partner_diameter"] = contact.partner_diameter
-        declared = {name: declared for name, (declared, _) in self.replaced.items()}
-        return inputs | {"stiffness_model": contact.stiffness_model, "in_place_of": declared}
+        return inputs | {"stiffness_model": contact.stiffness_model}
 
 
 def _fields_of(contact: Contact) -> dict[str, Any]:
@@ -210,7 +206,7 @@ def _fields_of(contact: Contact) -> dict[str, Any]:
     return numbers | {"law": contact.law.name} | parameters
 
 
-def _quantiles(values: Any) -> tuple[float, float, float]:
+def quantiles(values: Any) -> tuple[float, float, float]:
     """Ends and middle of the 95 % interval of values."""
     low, middle, high = np.quantile(values, INTERVAL, method="nearest").tolist()
     return low, middle, high
@@ -412,7 +408,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
             ("equilibrium contact radius", number(contact.equilibrium_contact_radius, 1e9), "nm"),
         ]
     if chosen.draws:
-        low, middle, high = _quantiles(limits)
+        low, middle, high = quantiles(limits)
         span = f"{number(middle)} ({number(low)} to {number(high)})"
         rows.insert(1, ("of all contacts, median (95 %)", span, "m/s"))
     print_table(chosen.title(), ("", "value", "unit"), rows)
@@ -552,26 +548,15 @@ def contact_of(
     microns = {"diameter": diameter_um, "partner_diameter": partner_diameter_um}
     sizes = {name: size * 1e-6 for name, size in microns.items() if size is not None}
     if file is not None:
-        chosen = _from_file(file, sizes)
         excess = options | {"particle": particle, "surface": surface, "materials": materials}
-        for name, usual in (("stiffness_model", STIFFNESS_MODELS[0]), ("law", RING_FORCE)):
-            if excess[name] == usual:
-                del excess[name]
-        flags = [_flag(name) for name, value in excess.items() if value is not None]
-        if flags:
-            raise ValueError(
-                "--contact holds the whole contact, but the diameter may change; leave out "
-                f"{', '.join(flags)}"
-            )
-        if missing:
-            raise ValueError(f"give {', '.join(missing)}")
-        return chosen
+        return _from_file(file, sizes, excess, missing)
     if particle is None or surface is None:
         raise ValueError("give --particle and --surface, or --contact")
     from microimpact.model.pairs import pair_contact
 
-    shipped, pairs = _shipped()
-    declared = shipped | ({} if materials is None else read_materials(materials))
+    declared, pairs = _shipped()
+    if materials is not None:
+        declared |= read_materials(materials)
     law = _law(options)
     changes = {name: options[name] for name in _FIELDS}
     changes |= {"stiffness_model": options["stiffness_model"]} | sizes
@@ -579,14 +564,12 @@ def contact_of(
         changes |= {"hertz_damping": 0.0, "adhesion_damping": 0.0}
     known = _completed((particle, surface), declared, pairs, options, changes, missing)
     contact = pair_contact(particle, surface, known, pairs, **changes)
-    replaced = {}
     if law is not None:
         contact = contact.by_law(law, contact.work_of_adhesion or 0.0)
-    elif (particle, surface) in pairs:
-        same = {"stiffness_model": options["stiffness_model"]} | sizes
-        shipped_contact = pair_contact(particle, surface, shipped, pairs, **same)
-        replaced = _differences(shipped_contact, contact)
     whole = {RING_FORCE if law is None else law.name: contact}
+    replaced = []
+    if law is None and (particle, surface) in pairs:
+        replaced = [name for name in (*_FIELDS, *_BODIES) if options[name] is not None]
     return Chosen(contacts=whole, bests=whole, replaced=replaced)
 
 
@@ -642,16 +625,6 @@ def _completed(
     return known
 
 
-def _differences(declared: Contact, contact: Contact) -> dict[str, tuple[float, float]]:
-    """Numbers in which a contact differs from the declared one of its pair: declared, present."""
-    pairs = {name: (getattr(declared, name), getattr(contact, name)) for name in REPLACEABLE}
-    for role in ("particle", "surface"):
-        bodies = getattr(declared, role), getattr(contact, role)
-        for field, _, _ in _ELASTIC.values():
-            pairs[f"{role}_{field}"] = tuple(getattr(body, field) for body in bodies)
-    return {name: ends for name, ends in pairs.items() if None not in ends and ends[0] != ends[1]}
-
-
 def _flag(name: str) -> str:
     """Command line option of a parameter."""
     return f"--{name.replace('_', '-')}"
@@ -679,15 +652,30 @@ def _with_options(
     return {**known, name: body}, []
 
 
-def _from_file(file: str, sizes: Mapping[str, float]) -> Chosen:
-    """Contacts of a file, at another diameter or with a second sphere if these are given."""
+def _from_file(
+    file: str, sizes: Mapping[str, float], others: Mapping[str, Any], missing: Sequence[str]
+) -> Chosen:
+    """Contacts of a file, at other diameters (m) if these are given.
+
+    Raises OSError or ValueError if the file cannot be read, other options are set, or some that the
+    command needs are missing.
+    """
     from microimpact.measured.contacts import read_contacts
     from microimpact.model.contact import resized
 
     contacts, bests = read_contacts(file)
+    usual = {"stiffness_model": STIFFNESS_MODELS[0], "law": RING_FORCE}
+    flags = [_flag(n) for n, value in others.items() if value is not None and value != usual.get(n)]
+    if flags:
+        raise ValueError(
+            "--contact holds the whole contact, but the diameter may change; leave out "
+            f"{', '.join(flags)}"
+        )
+    if missing:
+        raise ValueError(f"give {', '.join(missing)}")
     measured = float(next(iter(bests.values())).diameter)
     contacts, bests = (
         {law: resized(contact, **sizes) for law, contact in by_law.items()}
         for by_law in (contacts, bests)
     )
-    return Chosen(contacts=contacts, bests=bests, replaced={}, measured=measured)
+    return Chosen(contacts=contacts, bests=bests, measured=measured)

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from microimpact.cli.contacts import contact_of, contact_options
-from microimpact.cli.output import number, print_json, print_table, warn
-from microimpact.model.choices import CALIBRATED, INTERVAL
+from microimpact.cli.contacts import contact_of, contact_options, quantiles
+from microimpact.cli.output import number, patience, print_json, print_table, warn
+from microimpact.model.choices import CALIBRATED
 from microimpact.model.contact_laws import RING_FORCE
 
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
-    from microimpact.model.law_draws import LawDraws
+    from microimpact.model.posterior import LawDraws
 
 # What a file may leave to options: the columns, and the options.
 _SPREADS = {"sigma": "--sigma", "sigma_v": "--sigma-v", "size_scatter": "--size-scatter"}
@@ -81,9 +81,12 @@ def fit_command(
 
     measured = _measured(data, **reading)
     spreads = {name: getattr(measured, name) for name in ("sigma", "sigma_v", "d", "size_scatter")}
-    comparison = compare_models(
-        measured.v, measured.e, **spreads, confidence=confidence, models=models or None
-    )
+    with patience(
+        f"fitting {measured.v.size} points; with errors of speed or size this takes minutes"
+    ):
+        comparison = compare_models(
+            measured.v, measured.e, **spreads, confidence=confidence, models=models or None
+        )
     if plot:
         from microimpact.measured.picture import draw
 
@@ -162,7 +165,8 @@ def calibrate_command(
     if measured is None:
         contacts = bests = {RING_FORCE: two_stage(start, *(targets or ())).contact}
     elif free is None:
-        drawn = _by_laws(start, measured, draws, seed)
+        with patience("drawing contacts by law; errors of speed or size take minutes"):
+            drawn = _by_laws(start, measured, draws, seed)
         contacts, bests = dict(drawn.contacts), dict(drawn.best)
         weights = {model.name: model.weight for model in drawn.comparison.models}
         words = f"{drawn.summary()}\n"
@@ -173,7 +177,10 @@ def calibrate_command(
                 "--free takes speeds and sizes as exact; leave it out, or their errors"
             )
         spread: Any = measured.sigma
-        posterior = calibrate(start, measured.v, measured.e, spread, names, draws=draws, seed=seed)
+        with patience("drawing contacts by the ring force"):
+            posterior = calibrate(
+                start, measured.v, measured.e, spread, names, draws=draws, seed=seed
+            )
         contacts, bests = {RING_FORCE: posterior.contact}, {RING_FORCE: posterior.best}
         words = f"{posterior.summary()}\nThe ring force is supposed to be the law.\n"
         warn(posterior.misfit.warnings)
@@ -184,7 +191,7 @@ def calibrate_command(
 
 def _by_laws(start: Contact, measured: Rebounds, draws: int, seed: int) -> LawDraws:
     """Draws by several laws."""
-    from microimpact.model.law_draws import calibrate_laws
+    from microimpact.model.posterior import calibrate_laws
 
     sigma: Any = measured.sigma
     spreads = {name: getattr(measured, name) for name in ("sigma_v", "d", "size_scatter")}
@@ -310,5 +317,5 @@ def _spread(name: str, text: str | float, measured: Rebounds) -> Any:
 
 
 def _range(values: Any, best: Any) -> dict[str, float]:
-    low, middle, high = np.quantile(values, INTERVAL, method="nearest")
+    low, middle, high = quantiles(values)
     return {"best": float(best), "median": middle, "low": low, "high": high}

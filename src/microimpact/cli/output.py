@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from threading import Timer
 from typing import Any
 
 import click
 import numpy as np
 
 from microimpact.core.readable import table
+
+PATIENCE = 2.0  # s
 
 
 def number(value: Any, factor: float = 1.0) -> str:
@@ -42,6 +47,19 @@ def print_json(values: Mapping[str, Any]) -> None:
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Print a table below its title."""
     click.echo(f"{title}\n{table(rows, columns)}")
+
+
+@contextmanager
+def patience(work: str) -> Iterator[None]:
+    """Name work on a terminal's standard error if it takes longer than `PATIENCE`."""
+    timer = Timer(PATIENCE, click.echo, (f"microimpact: {work} ...",), {"err": True})
+    timer.daemon = True
+    if sys.stderr.isatty():
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def warn(sentences: Iterable[str]) -> None:

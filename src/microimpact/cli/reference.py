@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from microimpact.model.reference import Row
 
 IMPACTS, CONTACTS = "adhesive_impacts.csv", "adhesive_impacts_contacts.csv"
-LAMMPS = "dem01-jkr-twosphere-restitution-3d-si.yaml"
 
 
 @click.command("reference")
@@ -29,12 +28,11 @@ LAMMPS = "dem01-jkr-twosphere-restitution-3d-si.yaml"
 def reference_command(output: str) -> None:
     """Write the reference of adhesive impacts, for tests of other codes.
 
-    Two tables, of impacts and of their contacts, closed forms beside the numbers; and one impact as
-    a test of LAMMPS's granular suite.
+    Two tables, of impacts and of their contacts, with closed forms beside the numbers.
     """
-    from microimpact.model.reference import contacts, impacts, lammps_test
+    from microimpact.model.reference import contacts, impacts
 
-    contents = {IMPACTS: _csv(impacts()), CONTACTS: _csv(contacts()), LAMMPS: lammps_test()}
+    contents = {IMPACTS: _csv(impacts()), CONTACTS: _csv(contacts())}
     for name, content in contents.items():
         path = Path(output) / name
         write_file(path, content)

@@ -19,7 +19,9 @@ from microimpact.core.solve import NoRootError, root
 
 # Share of the steps that is not kept: the walkers drift to where they belong.
 DRIFT = 1.0 / 3.0
-ENSEMBLES = 2
+ENSEMBLES, WALKERS = 2, 40
+# Binary logarithm of the number of points among which the walkers find their starts.
+SPREAD = 13
 # Shares of the moves: stretches, differences of two walkers, and the same at full length, which
 # leaps between modes.
 STRETCHES, DIFFERENCES, LEAPS = 0.4, 0.5, 0.1
@@ -41,14 +43,12 @@ class Draws:
 
     points: FloatArray  # (n, axes), in random order
     log_density: FloatArray  # Of each (n,), up to a constant
-    acceptance: float  # Share of accepted moves
     # Independent draws that all kept steps are worth, for the worst axis: the variance over that of
     # the mean, by the spread of the walkers' own means.
     effective_size: float
     # Per axis: spread of the means of the halves of every ensemble against the spread within
     # (Gelman et al. 2013, 11.4); 1 where they agree.
     split_r_hat: FloatArray
-    kept: int  # Points of all walkers
 
 
 def draw(
@@ -57,8 +57,6 @@ def draw(
     high: FloatArray,
     *,
     draws: int,
-    spread: int,
-    walkers: int,
     steps: int,
     seed: int,
 ) -> Draws:
@@ -72,10 +70,8 @@ def draw(
         Ends of the box (axes,).
     draws
         How many points are wanted, without repetition.
-    spread
-        Binary logarithm of the number of points among which the walkers find their starts.
-    walkers, steps
-        Of each ensemble; the first third of the steps is not kept.
+    steps
+        Of each ensemble; the first third of them is not kept.
     seed
         Of all random numbers.
 
@@ -89,8 +85,9 @@ def draw(
     emcee = optional("emcee")
 
     kept = steps - int(DRIFT * steps)
-    if draws > kept * walkers * ENSEMBLES:
-        raise ValueError(f"draws must be at most {kept * walkers * ENSEMBLES}, got {draws}")
+    points = kept * WALKERS * ENSEMBLES
+    if draws > points:
+        raise ValueError(f"draws must be at most {points}, got {draws}")
 
     def inside(points: FloatArray) -> FloatArray:
         density = np.full(points.shape[0], -np.inf)
@@ -100,17 +97,17 @@ def draw(
         return density
 
     streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(2 + ENSEMBLES)]
-    starts = _starts(inside, low, high, spread, walkers * ENSEMBLES, streams[0])
+    starts = _starts(inside, low, high, WALKERS * ENSEMBLES, streams[0])
     moves: list[Any] = [
         (emcee.moves.StretchMove(), STRETCHES),
         (emcee.moves.DEMove(), DIFFERENCES),
         (emcee.moves.DEMove(gamma0=1.0), LEAPS),
     ]
     unchecked: Any = {"skip_initial_state_check": True}
-    chains, values, accepted = [], [], []
+    chains, values = [], []
     for begun, stream in zip(np.split(starts, ENSEMBLES), streams[2:], strict=True):
         places = begun
-        sampler = emcee.EnsembleSampler(walkers, low.size, inside, moves=moves, vectorize=True)
+        sampler = emcee.EnsembleSampler(WALKERS, low.size, inside, moves=moves, vectorize=True)
         sampler.random_state = np.random.RandomState(stream.integers(2**32)).get_state()
         for _ in range(GATHERINGS):
             state = sampler.run_mcmc(places, (steps - kept) // (GATHERINGS + 1), **unchecked)
@@ -118,16 +115,13 @@ def draw(
         sampler.run_mcmc(places, steps - sampler.iteration, **unchecked)
         chains.append(sampler.get_chain()[-kept:])
         values.append(sampler.get_log_prob()[-kept:])
-        accepted.append(np.mean(sampler.acceptance_fraction))
     chain = np.stack(chains)
-    taken = streams[1].choice(kept * walkers * ENSEMBLES, draws, replace=False)
+    taken = streams[1].choice(points, draws, replace=False)
     return Draws(
         points=chain.reshape(-1, low.size)[taken],
         log_density=np.stack(values).ravel()[taken],
-        acceptance=float(np.mean(accepted)),
         effective_size=_effective_size(chain),
         split_r_hat=_split_r_hat(chain),
-        kept=kept * walkers * ENSEMBLES,
     )
 
 
@@ -156,13 +150,12 @@ def _starts(
     log_density: LogDensity,
     low: FloatArray,
     high: FloatArray,
-    spread: int,
     number: int,
     rng: np.random.Generator,
 ) -> FloatArray:
     from scipy.stats.qmc import Sobol
 
-    points = low + (high - low) * Sobol(low.size, rng=rng).random_base2(spread)
+    points = low + (high - low) * Sobol(low.size, rng=rng).random_base2(SPREAD)
     values = log_density(points)
     finite = np.isfinite(values)
     if np.sum(finite) < 2 * number:

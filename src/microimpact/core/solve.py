@@ -162,7 +162,6 @@ def threshold(
     *,
     absolute: float = 0.0,
     relative: float = ROUNDING,
-    ahead: int = 1,
 ) -> Place:
     """Return where a condition begins to hold, by halving.
 
@@ -176,9 +175,6 @@ def threshold(
     absolute, relative
         A place is known to ``absolute + relative * abs(place)``; it is one at which the condition
         holds.
-    ahead
-        Between numbers as ends, so many halvings are asked for at once, and ``holds`` takes arrays,
-        too.
 
     Raises
     ------
@@ -193,34 +189,12 @@ def threshold(
     least = max(absolute, TINY)
     below: Any = low
     above: Any = high
-
-    def apart(below: Any, above: Any) -> bool:
-        wide = np.abs(np.subtract(above, below)) > least + relative * np.abs(above)
-        return bool(np.any(wide))
-
-    while apart(below, above):
+    while np.any(np.abs(np.subtract(above, below)) > least + relative * np.abs(above)):
         middle = 0.5 * (below + above)
         if np.ndim(middle):
             true = holds(middle)
             below, above = np.where(true, below, middle), np.where(true, middle, above)
-        elif ahead == 1:
-            below, above = (below, middle) if holds(middle) else (middle, above)
         else:
-            places = _halved(below, above, ahead)
-            true, first, last = holds(places[1:-1]), 0, places.size - 1
-            while last - first > 1 and apart(places[first], places[last]):
-                half = (first + last) // 2
-                first, last = (first, half) if true[half - 1] else (half, last)
-            below, above = float(places[first]), float(places[last])
+            below, above = (below, middle) if holds(middle) else (middle, above)
     least_true: Place = above
     return least_true
-
-
-def _halved(low: float, high: float, times: int) -> FloatArray:
-    """Return the ends of all parts that halving so many times can lead to."""
-    places = np.array([low, high])
-    for _ in range(times):
-        finer = np.empty(2 * places.size - 1)
-        finer[::2], finer[1::2] = places, 0.5 * (places[:-1] + places[1:])
-        places = finer
-    return places

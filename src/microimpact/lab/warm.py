@@ -65,7 +65,7 @@ def _use_tables() -> None:
     trajectory(CONTACT, 1.0)
     simulate(CONTACT, speed, tangential="mindlin")
     law = tabulate(CONTACT, *speed)
-    law.normal_impact(CONTACT, speed)
+    law.quantities(speed, np.zeros(1))
     law.restitution(speed, np.zeros(1))
     law.simulate(speed)
     rigid_sums(rough(0.1), law, [Spheres([half] * 8, [(half, half)] * 5, 1, 1)])

@@ -7,6 +7,7 @@ import json
 import re
 import shlex
 import sys
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -16,6 +17,7 @@ import pytest
 from tests.shared import ROOT, execute
 
 from microimpact import Contact, Material, capture_velocity, cli, simulate
+from microimpact.cli import output
 from microimpact.core.materials import declared_file
 from microimpact.measured.contacts import write_contacts
 from microimpact.model.contact_laws import JKR
@@ -78,21 +80,15 @@ def test_simulate_as_table_and_as_json_agree(microimpact):
     values = answer["outputs"]
     assert values["captured"] is False
     assert values["rolling"] is True
-    rows = (line.rsplit("  ", 2) for line in table.stdout.splitlines())
-    printed = {row[0].strip(): [cell.strip() for cell in row[1:]] for row in rows if len(row) == 3}
+    rows = (re.split(r"  +", line) for line in table.stdout.splitlines())
+    printed = {row[0]: row[1:] for row in rows}
     for label, name, factor, unit in (
-        ("tangential velocity after", "tangential_velocity", 1.0, "m/s"),
-        ("spin after", "spin", 1.0, "rad/s"),
-        ("contact time", "contact_time", 1e9, "ns"),
-        ("maximum compression", "maximum_compression", 1e9, "nm"),
+        ("coefficient of restitution", "coefficient_of_restitution", 1.0, []),
+        ("spin after", "spin", 1.0, ["rad/s"]),
+        ("contact time", "contact_time", 1e9, ["ns"]),
+        ("maximum compression", "maximum_compression", 1e9, ["nm"]),
     ):
-        assert printed[label] == [f"{values[name] * factor:.6g}", unit]
-    for label, name in (
-        ("coefficient of restitution", "coefficient_of_restitution"),
-        ("impulse ratio (-mu)", "impulse_ratio"),
-        ("energy loss, total", "energy_loss"),
-    ):
-        assert re.search(rf"^{re.escape(label)} +{values[name]:.6g}$", table.stdout, re.MULTILINE)
+        assert printed[label] == [f"{values[name] * factor:.6g}", *unit]
 
 
 def test_two_spheres_have_a_second_spin(microimpact, answered, tmp_path):
@@ -114,12 +110,8 @@ def test_capture_uses_the_declared_pair_and_its_overrides(microimpact, answered)
     weaker = answered("capture", *STEEL, "--work-of-adhesion", "0.2")
     limits = [found["outputs"]["capture_velocity"] for found in (weaker, declared)]
     assert 0 < limits[0] < limits[1]
-    weaker, declared = weaker["inputs"], declared["inputs"]
-    assert weaker["adhesion_damping"] == declared["adhesion_damping"]
-    assert declared["in_place_of"] == {}
-    assert weaker["in_place_of"] == {"work_of_adhesion": 0.7}
-    words = microimpact("capture", *STEEL, "--work-of-adhesion", "0.2").stdout
-    assert "work_of_adhesion 0.2 in place of 0.7; hertz_damping, adhesion_damping," in words
+    for name in ("adhesion_damping", "hertz_damping"):
+        assert weaker["inputs"][name] == declared["inputs"][name]
 
 
 def test_the_answer_names_the_contact_and_repeats_all_inputs(microimpact, answered):
@@ -283,8 +275,6 @@ def test_bad_input_ends_with_one_clear_line(microimpact, own_data, monkeypatch, 
     [
         (STEEL, "--particle, --surface"),
         (("--friction", "0"), "--friction"),
-        (("--surface-density", "8"), "--surface-density"),
-        (("--stiffness-model", "reduced"), "--stiffness-model"),
     ],
 )
 def test_a_file_of_contacts_holds_the_whole_contact(microimpact, tmp_path, options, flags):
@@ -298,21 +288,16 @@ def test_a_file_of_contacts_holds_the_whole_contact(microimpact, tmp_path, optio
 @pytest.mark.parametrize(
     ("options", "replaced"),
     [
-        (("--particle-density", "7000"), {"particle_density": 8000.0}),
-        (("--surface-poissons-ratio", "0.5"), {"surface_poissons_ratio": 0.25}),
-        (("--friction", "0.5"), {"friction": 0.15}),
-        (("--diameter-um", "30"), {}),
-        (("--friction", "0.15", "--hertz-damping", "0.2148"), {}),
+        (("--particle-density", "7000"), "particle_density"),
+        (("--surface-poissons-ratio", "0.5"), "surface_poissons_ratio"),
+        (("--hertz-damping", "0.5"), "hertz_damping"),
+        (("--diameter-um", "30"), ""),
     ],
 )
-def test_a_pair_that_is_no_longer_the_declared_one_says_so(
-    microimpact, answered, options, replaced
-):
-    assert answered("capture", *STEEL, *options)["inputs"]["in_place_of"] == replaced
+def test_a_pair_that_is_no_longer_the_declared_one_says_so(microimpact, options, replaced):
     text = microimpact("capture", *STEEL, *options).stdout
     assert ("No longer the declared contact" in text) == bool(replaced)
-    for name, declared in replaced.items():
-        assert f"{name} {float(options[1]):g} in place of {declared:g}" in text
+    assert f"{replaced} by option, work_of_adhesion, " in text or not replaced
 
 
 def test_export_writes_what_it_names(microimpact, answered, tmp_path):
@@ -401,33 +386,6 @@ def test_calibrate_asks_for_all_that_is_missing(microimpact, own_data, tmp_path)
     )
 
 
-def test_digits_of_a_fit_follow_the_interval(microimpact, answered, tmp_path):
-    random, file = np.random.default_rng(1), tmp_path / "many.csv"
-    v = np.exp(random.uniform(np.log(0.2002), np.log(3.0), 2000))
-    e = 0.9 * np.sqrt(1.0 - (0.2 / v) ** 2) + random.normal(0.0, 1e-4, v.size)
-    np.savetxt(file, np.column_stack([v, e]), "%.9g", ",", header="v,e", comments="")
-    arguments = ("fit", str(file), "--sigma", "1e-6", "--model", "fixed loss")
-    text, found = microimpact(*arguments).stdout, answered(*arguments)
-    v_c, low, high = map(
-        float, re.search(r"v_c = (\S+) m/s, 95 %: (\S+) to (\S+) m/s", text).groups()
-    )
-    width = np.diff(found["v_c_interval"])[0]
-    assert width < 1e-4
-    assert [v_c, low, high] == pytest.approx(
-        [found["v_c"], *found["v_c_interval"]], abs=0.1 * width
-    )
-    assert f"{found['models']['fixed loss']['chi_square']:.1f}" in text
-
-
-def test_the_option_sigma_is_drawn(microimpact, own_data, tmp_path, monkeypatch):
-    drawn = []
-    monkeypatch.setattr("microimpact.measured.picture.draw", lambda data, *_: drawn.append(data))
-    bare = tmp_path / "bare.csv"
-    pd.read_csv(own_data).drop(columns="sigma").to_csv(bare, index=False)
-    microimpact("fit", str(bare), "--sigma", "0.03", "--plot", "x.svg")
-    assert drawn[0].sigma.tolist() == [0.03] * 20
-
-
 def test_a_sweep_is_a_table(microimpact, answered):
     done = microimpact("simulate", *STEEL, "--speed", "0.1:1.66:3", "--angle", "20:50:2")
     table = pd.read_csv(io.StringIO(done.stdout))
@@ -460,6 +418,15 @@ def test_doubtful_numbers_are_told(microimpact, options, words):
     assert done.returncode == 0
     assert words in done.stderr
     assert microimpact("simulate", *STEEL, "--speed", "1").stderr == ""
+
+
+def test_long_work_is_named_on_a_terminal(monkeypatch, capsys):
+    monkeypatch.setattr(output, "PATIENCE", 0.0)
+    for terminal in (False, True):
+        monkeypatch.setattr(sys.stderr, "isatty", lambda terminal=terminal: terminal, raising=False)
+        with output.patience("fitting"):
+            time.sleep(0.05)
+        assert capsys.readouterr().err == ("microimpact: fitting ...\n" if terminal else "")
 
 
 def test_materials_of_ones_own(microimpact, answered, tmp_path):
@@ -520,15 +487,14 @@ def test_contacts_by_jkr_go_from_command_to_command(microimpact, answered, tmp_p
     assert outputs["capture_velocity"] == pytest.approx(capture_velocity(contact))
     text = microimpact("simulate", "--contact", str(file), "--speed", "1").stdout
     assert "jkr, viscous_time = 3e-09" in text
-    done = microimpact("export", "--contact", str(file), "-o", str(tmp_path / "law"))
-    header = (tmp_path / "law" / "microimpact_rebound.h").read_text(encoding="utf-8")
-    assert "law jkr, viscous_time = 3e-09" in header
     plain = contact.by_law(JKR(), 0.2).replace(law=None)
     write_contacts(
         file, {jkr: contact, "ring force": plain}, {jkr: contact.at(0), "ring force": plain}
     )
     done = microimpact("export", "--contact", str(file), "-o", str(tmp_path / "law"))
     assert f"the best by the {jkr} is written" in done.stderr
+    header = (tmp_path / "law" / "microimpact_rebound.h").read_text(encoding="utf-8")
+    assert "law jkr, viscous_time = 3e-09" in header
 
 
 def test_two_numbers_calibrate_too(answered):
@@ -543,17 +509,12 @@ def test_no_file_brings_a_name_that_is_code(microimpact, answered, tmp_path):
     own, file = tmp_path / "own.csv", tmp_path / "contacts.json"
     table = declared_file("materials.csv").read_text(encoding="utf-8")
     own.write_text(table.replace("silicon,", f"{name},"), encoding="utf-8")
-    done = microimpact("export", *STEEL, "--materials", str(own), "-o", str(tmp_path / "law"))
-    require_refusal(done, f"material {name!r}: name must be one line of printable text")
     targets = ("--restitution", "0.7", "--at-speed", "1.66", "--capture-velocity", "0.18")
     answered("calibrate", *STEEL, *targets, "-o", str(file))
     file.write_text(file.read_text(encoding="utf-8").replace("silicon", name), encoding="utf-8")
-    done = microimpact("export", "--contact", str(file), "-o", str(tmp_path / "law"))
-    require_refusal(done, "name must be one line of printable text")
-    elastic = ("youngs-modulus-gpa", "poissons-ratio", "density")
-    options = [word for key in elastic for word in (f"--particle-{key}", "0.3")]
-    done = microimpact("capture", "--particle", "a\nb", "--surface", "silicon", *options)
-    require_refusal(done, r"--particle 'a\nb': name must be one line of printable text")
+    for options in ((*STEEL, "--materials", str(own)), ("--contact", str(file))):
+        done = microimpact("export", *options, "-o", str(tmp_path / "law"))
+        require_refusal(done, "name must be one line of printable text")
     assert not (tmp_path / "law").exists()
 
 
@@ -567,7 +528,7 @@ def test_a_wrong_file_of_contacts_is_refused(microimpact, tmp_path, content):
 
 def test_the_reference_verifies_itself_and_names_a_mistake(microimpact, answered, tmp_path):
     written = microimpact("reference", "-o", str(tmp_path)).stdout.splitlines()
-    assert [Path(line).exists() for line in written] == [True] * 3
+    assert [Path(line).exists() for line in written] == [True] * 2
     table = pd.read_csv(written[0])
     agreed = microimpact("verify", written[0])
     assert agreed.returncode == 0

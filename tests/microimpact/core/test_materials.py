@@ -1,12 +1,20 @@
-"""Materials and the tables they are declared in."""
+"""Materials, the tables they are declared in with their units, and constants of nature."""
 
 import csv
 import math
 
 import numpy as np
 import pytest
+import scipy
 
-from microimpact.core.materials import Material, declared_file, find_material, materials_from_rows
+from microimpact.core import constants, materials
+from microimpact.core.materials import (
+    Material,
+    declared_file,
+    find_material,
+    materials_from_rows,
+    quantity,
+)
 
 GOOD = {"name": "steel", "youngs_modulus": 193e9, "poissons_ratio": 0.28, "density": 8000.0}
 
@@ -103,3 +111,25 @@ def test_every_declared_material_is_sound():
     assert {"stainless-steel-316", "silicon"} <= set(declared)
     assert all(1e8 < m.youngs_modulus < 1e12 for m in declared.values())
     assert all(500 < m.density < 25000 for m in declared.values())
+
+
+@pytest.mark.parametrize(
+    ("unit", "kind", "factor"),
+    [
+        ("GPa", materials.PRESSURE, 1e9),
+        ("g/cm3", materials.DENSITY, 1e3),
+        ("um", materials.LENGTH, 1e-6),
+        ("mJ/m2", materials.ENERGY_PER_AREA, 1e-3),
+        ("-", materials.NUMBER, 1.0),
+    ],
+)
+def test_units_have_their_si_factor(unit, kind, factor):
+    row = {"property": "size", "value": "2", "unit": unit}
+    assert quantity(row, {"size": kind}, "somewhere") == 2.0 * factor
+    with pytest.raises(ValueError, match="row 3, size: unit 'kg' must be one of"):
+        quantity(row | {"unit": "kg"}, {"size": kind}, "row 3")
+
+
+def test_constants_are_scipys():
+    assert constants.gravity == scipy.constants.g
+    assert constants.epsilon_0 == scipy.constants.epsilon_0

@@ -10,6 +10,7 @@ import pytest
 
 from microimpact import Contact, Material, materials, simulate, tabulate, trajectory
 from microimpact.core.extras import optional
+from microimpact.core.readable import precise
 
 GLASS = {"youngs_modulus": 70e9, "poissons_ratio": 0.2, "density": 2500.0}
 BODIES = {"particle": materials["glass"], "surface": materials["silicon"]}
@@ -29,6 +30,19 @@ def test_a_record_prints_plain_numbers_with_units():
     assert not any("np." in text(x) for x in (impact, CONTACT) for text in (str, repr))
     assert eval(repr(CONTACT), {"Contact": Contact, "Material": Material}) == CONTACT
     assert impact._repr_html_() == f"<pre>{impact}</pre>"
+
+
+@pytest.mark.parametrize(
+    ("value", "width", "text"),
+    [
+        (0.2000123, 3e-6, "0.2000123"),
+        (0.2, 0.1, "0.2"),
+        (1.23456, np.inf, "1.235"),
+        (0.0, 1.0, "0"),
+    ],
+)
+def test_digits_follow_the_width_of_an_interval(value, width, text):
+    assert precise(value, width) == text
 
 
 def test_arrays_print_their_ends():

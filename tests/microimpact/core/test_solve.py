@@ -76,23 +76,6 @@ def test_a_threshold_is_the_least_number_at_which_the_condition_holds():
     assert isinstance(found, float)
 
 
-@pytest.mark.parametrize(
-    ("ends", "tolerance"), [((0.0, 1.0), {}), ((2.0, -1.0), {"absolute": 1e-7})]
-)
-def test_halvings_asked_for_together_lead_to_the_same_place(ends, tolerance):
-    calls = []
-
-    def holds(x):
-        calls.append(np.size(x))
-        return x >= 0.3 if ends[1] > ends[0] else x <= 0.3
-
-    alone = threshold(holds, *ends, **tolerance)
-    one_by_one = len(calls)
-    assert threshold(holds, *ends, **tolerance, ahead=5) == alone
-    assert len(calls) - one_by_one < one_by_one / 3
-    assert max(calls) == 31
-
-
 def test_thresholds_of_arrays():
     at = np.array([[0.1, 0.2], [1e-9, 0.9]])
     found = threshold(lambda x: x > at, np.zeros(at.shape), np.ones(at.shape))

@@ -128,7 +128,6 @@ class SpatialImpact(Readable):
     energy_loss: FloatArray
     translational_energy_loss: FloatArray
     maximum_compression: FloatArray
-    interpolation_error: FloatArray | float = 0.0
     partner_spin: FloatArray | float = 0.0
 
 
@@ -273,8 +272,7 @@ def planar(
     friction_basis
         ``"compressive"``, ``"hertz"``, ``"net"`` or ``"pull-off"``; see `friction_impulse`.
     law
-        Where normal impacts come from; every one is integrated if none is given. A table made by
-        `model.law.table.tabulate` is another: its `Law.normal_impact`.
+        Where normal impacts come from; every one is integrated if none is given.
     tangential
         ``"rigid"``: slip stops for good. ``"mindlin"``: the contact yields along the surface too
         and slips in part; ``"spring"``: it is the spring of discrete element codes; see
@@ -314,7 +312,7 @@ def _planar(
     if law is None and math.prod(shape) > BLOCK:
         return _in_blocks(contact, v_n, v_t, spins, shape, basis, tangential)
     speed, radius, omega = -v_n, contact.radius, spins.joint
-    normal = _normal(contact, speed, basis, law)
+    normal = law(contact, speed) if law else normal_impact(contact, speed, ledger=basis == "hertz")
     slip: Any = v_t - radius * omega
     size, rolling = friction_impulse(contact, normal, abs(slip), basis, speed, tangential)
     out = passes.outcomes(shape)[0]
@@ -326,7 +324,6 @@ def _planar(
         rolling=_shaped(rolling, shape),
         contact_time=_shaped(normal.contact_time, shape),
         maximum_compression=_shaped(normal.maximum_compression, shape),
-        interpolation_error=normal.interpolation_error,
     )
     return spins.separate(impact)
 
@@ -484,10 +481,6 @@ def chosen_basis(contact: Contact, friction_basis: object, tangential: object = 
     return basis
 
 
-def _normal(contact: Contact, speed: Real, basis: str, law: NormalLaw | None) -> NormalImpact:
-    return law(contact, speed) if law else normal_impact(contact, speed, ledger=basis == "hertz")
-
-
 def _shaped(values: Any, shape: tuple[int, ...]) -> Any:
     """Values broadcast to a shape; a single number or flag stays a number or flag."""
     if not shape:
@@ -507,7 +500,6 @@ def spatial(
     velocity: Numbers,
     spin: Numbers = (0.0, 0.0, 0.0),
     friction_basis: str = "compressive",
-    law: NormalLaw | None = None,
     tangential: str = "rigid",
     partner_spin: Numbers = (0.0, 0.0, 0.0),
 ) -> SpatialImpact:
@@ -525,7 +517,7 @@ def spatial(
         Velocity before impact (..., 3), m/s, with a negative z component.
     spin, partner_spin
         Angular velocities before impact (..., 3), rad/s, right-handed.
-    friction_basis, law, tangential
+    friction_basis, tangential
         As in `planar`.
 
     Raises
@@ -551,7 +543,7 @@ def spatial(
     v_n = checked("velocity[..., 2]", v[..., 2], APPROACHING)
     speed = np.abs(v_n)
     radius = np.broadcast_to(contact.radius, shape)
-    normal = _normal(contact, speed, basis, law)
+    normal = normal_impact(contact, speed, ledger=basis == "hertz")
     # Velocity of the contact point along the surface: v + w x (-r z).
     slip = np.stack([v[..., 0] - radius * w[..., 1], v[..., 1] + radius * w[..., 0]], axis=-1)
     length = np.hypot(slip[..., 0], slip[..., 1])
@@ -580,6 +572,5 @@ def spatial(
         energy_loss=shaped((linear + rotational) / energy),
         translational_energy_loss=shaped(linear / energy),
         maximum_compression=shaped(normal.maximum_compression),
-        interpolation_error=normal.interpolation_error,
     )
     return spins.separate(impact)

@@ -69,8 +69,6 @@ class NormalImpact:
         Energy and momentum balance; None unless asked for.
     losses
         Where the energy went by another law than the ring force; None by that one.
-    interpolation_error
-        Bound of the relative difference from integration; 0 where every impact was integrated.
     """
 
     captured: BoolArray
@@ -83,7 +81,6 @@ class NormalImpact:
     hertz_impulse: FloatArray | None = None
     ledger: Ledger | None = None
     losses: Losses | None = None
-    interpolation_error: FloatArray | float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,34 +1,228 @@
-"""Coefficients of the contacts of Lethe and YADE, and a table of restitution for a wall.
+"""Coefficients with which the contacts of LAMMPS, Lethe and YADE rebound as a contact does.
 
-Both codes know the overlap and its rate. Lethe's ``JKR`` closes and breaks at zero overlap, so that
-nothing is lost but by its damping, ``2 (5/6)^(1/2) z (2 E* (R n)^(1/2) m)^(1/2)`` times the rate n'
-with ``z = -ln e/(ln^2 e + pi^2)^(1/2)``: without adhesion its restitution is the e that is put in.
-YADE's Hertz and Mindlin contact has the pull of Derjaguin, Muller and Toporov, ``2 pi w R`` at any
-overlap, and the damping ``2 E* a A n'`` of Brilliantov et al. 1996, by e at a speed (`yades_e`).
+LAMMPS's ``granular`` contact ``jkr`` with the damping ``viscoelastic`` is that of
+`microimpact.model.contact_laws.JKR`: ``eta m a`` times the speed of compression, with the contact
+radius a, so that ``eta = 2 E* A/m``. But it breaks at the greatest pull, which loses half of JKR's
+energy. Lethe and YADE know the overlap and its rate. Lethe's ``JKR`` closes and breaks at zero
+overlap, so that nothing is lost but by its damping, ``2 (5/6)^(1/2) z (2 E* (R n)^(1/2) m)^(1/2)``
+times the rate n' with ``z = -ln e/(ln^2 e + pi^2)^(1/2)``: without adhesion its restitution is the
+e that is put in. YADE's Hertz and Mindlin contact has the pull of Derjaguin, Muller and Toporov,
+``2 pi w R`` at any overlap, and the damping ``2 E* a A n'`` of Brilliantov et al. 1996, by e at a
+speed (`yades_e`).
+
+The surface energy is chosen so that an impact at the capture velocity just does not rebound. The
+damping then makes the squares of the differences of e the least at the speeds that matter.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.resources import files
+from string import Template
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, checked
 from microimpact.core.compiled import jit
-from microimpact.model.closed_forms import contact_modulus
+from microimpact.core.solve import threshold
+from microimpact.model.closed_forms import contact_modulus, contact_regime, tabor_number
 from microimpact.model.contact import Contact
-from microimpact.model.law.jkr import (
-    Code,
-    described,
-    fit_table,
-    fitted,
-    lammps_files,
-    template,
-)
+from microimpact.model.contact_laws import JKR
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.laws import BROKEN, PULL_OFF, jkr_restitution
+from microimpact.model.dynamics.normal import normal_impact
 
-if TYPE_CHECKING:
-    from microimpact.model.law.export import Rebounds
+# Time steps of the shortest contact.
+STEPS = 500
+# Of the capture velocity: speeds of the fit where none are asked for.
+FIRST, LAST, COUNT = 1.5, 15.0, 12
+# e at normal speeds (n,), m/s, of a code's contact with a damping and a work of adhesion, J/m2.
+Code = Callable[[float, float, FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Coefficients:
+    """Coefficients of an adhesive contact with damping, and its restitution beside the model's.
+
+    Attributes
+    ----------
+    surface_energy
+        gamma, J/m2: half the work of adhesion.
+    damping
+        As the code takes it: of a viscous JKR contact A, s.
+    speeds, restitution, fitted
+        Normal speeds, m/s, and e of the model and of the contact with these coefficients; (n,).
+    """
+
+    surface_energy: float
+    damping: float
+    speeds: FloatArray
+    restitution: FloatArray
+    fitted: FloatArray
+
+    @property
+    def misfit(self) -> float:
+        """Largest difference of e at these speeds."""
+        return float(np.max(np.abs(self.fitted - self.restitution)))
+
+
+def jkr_coefficients(contact: Contact, speeds: FloatArray, end: float = PULL_OFF) -> Coefficients:
+    """Coefficients of a viscous JKR contact that breaks at ``end``, in s^3/b; else as `fitted`."""
+    plain = contact.replace(stiffness_model="hertz")
+
+    def rebounds(time: float, work: float, speed: FloatArray) -> FloatArray:
+        return jkr_restitution(plain.by_law(JKR(viscous_time=time), work), speed, end=end)
+
+    return fitted(contact, speeds, rebounds, 1e-3 * float(contact.radius / speeds.max()))
+
+
+def fitted(contact: Contact, speeds: FloatArray, code: Code, damping: float) -> Coefficients:
+    """Coefficients with the contact's capture velocity and, as near as may be, its e at speeds.
+
+    Parameters
+    ----------
+    contact
+        A single contact.
+    speeds
+        Normal speeds, m/s, above its capture velocity, (n,).
+    code
+        The other code's contact.
+    damping
+        Some small damping of it.
+
+    Raises
+    ------
+    ValueError
+        If a speed is not above the capture velocity, or no sphere ever leaves.
+    """
+    from scipy.optimize import minimize_scalar  # slow to import
+
+    limit = float(capture_velocity(contact))
+    if not np.all(speeds > limit):
+        raise ValueError(
+            f"speeds must be above the capture velocity {limit:.6g} m/s, got {speeds.min():g}"
+        )
+    restitution = np.asarray(normal_impact(contact, speeds).coefficient_of_restitution)
+
+    def work_at_capture(damping: float) -> float:
+        if limit == 0.0:
+            return 0.0
+        slow = np.array([limit])
+
+        def stays(work: float) -> bool:
+            return bool(code(damping, work, slow)[0] == 0.0)
+
+        most = 0.1
+        while not stays(most):
+            most *= 4.0
+        return float(threshold(stays, 0.0, most, relative=1e-10))
+
+    # Up to where the bulk alone loses more than the model does anywhere.
+    largest, lowest = damping, 0.5 * float(restitution.min())
+    while np.max(code(largest, 0.0, speeds)) > lowest:
+        largest *= 2.0
+
+    def misfit(share: float) -> float:
+        damping = largest * share**3
+        return float(np.sum((code(damping, work_at_capture(damping), speeds) - restitution) ** 2))
+
+    # A cube is as fine near zero, the best of a contact that loses nothing in the bulk.
+    best = minimize_scalar(misfit, bounds=(0.0, 1.0), method="bounded", options={"xatol": 1e-6})
+    damping = largest * float(best.x) ** 3
+    work = work_at_capture(damping)
+    return Coefficients(
+        surface_energy=0.5 * work,
+        damping=damping,
+        speeds=speeds,
+        restitution=restitution,
+        fitted=code(damping, work, speeds),
+    )
+
+
+def speeds_of_fit(contact: Contact, speeds: Numbers | None, form: str) -> FloatArray:
+    """Normal speeds of the fit, m/s: those asked for, or from 1.5 to 15 times the capture velocity.
+
+    Raises TypeError or ValueError if they are no speeds, or the contact has nothing to be fitted.
+    """
+    if contact.shape:
+        raise ValueError(f"format {form!r} is of one contact, got {contact.shape}")
+    limit = float(capture_velocity(contact))
+    if not math.isfinite(limit):
+        raise ValueError("no sphere leaves this contact at any speed: there is nothing to fit")
+    if speeds is None:
+        if limit == 0.0:
+            raise ValueError("speeds are needed where nothing is captured")
+        speeds = limit * np.geomspace(FIRST, LAST, COUNT)
+    return np.atleast_1d(np.asarray(checked("speeds", speeds, POSITIVE)))
+
+
+def described(contact: Contact, fit: Coefficients) -> dict[str, str]:
+    """Words and numbers of a fit that every code's file has."""
+    tabor = float(tabor_number(contact))
+    second = f" on {contact.partner_diameter * 1e6:g} um" if contact.is_pair else ""
+    return {
+        "version": version("microimpact"),
+        "pair": f"{contact.particle.name} on {contact.surface.name}, "
+        f"{contact.diameter * 1e6:g} um{second}",
+        "limit": f"{float(capture_velocity(contact)):.6g}",
+        "tabor": f"{tabor:.3g}: {contact_regime(tabor)}",
+        "slowest": f"{fit.speeds.min():.4g}",
+        "fastest": f"{fit.speeds.max():.4g}",
+        "misfit": f"{fit.misfit:.3f}",
+        "energy": f"{fit.surface_energy:.10g}",
+        "diameter": repr(float(contact.diameter)),
+        "friction": repr(float(contact.friction)),
+        **{
+            f"{role}_{name}": repr(float(getattr(getattr(contact, role), name)))
+            for role in ("particle", "surface")
+            for name in ("youngs_modulus", "poissons_ratio", "density")
+        },
+    }
+
+
+def template(name: str, **fields: object) -> str:
+    """A template of this folder with its fields filled."""
+    text = files(__package__).joinpath("templates", name).read_text(encoding="utf-8")
+    return Template(text).substitute(fields)
+
+
+def fit_table(fit: Coefficients) -> str:
+    """Restitution of the model and of the fitted contact over speed, as CSV."""
+    rows = zip(*(a.tolist() for a in (fit.speeds, fit.restitution, fit.fitted)), strict=True)
+    return "normal_speed_m_per_s,restitution,restitution_of_fit\n" + "".join(
+        f"{speed!r},{e!r},{fitted!r}\n" for speed, e, fitted in rows
+    )
+
+
+def lammps_files(contact: Contact, speeds: FloatArray) -> dict[str, str]:
+    """Contents by name: an input of LAMMPS for a wall, and its e beside the model's.
+
+    Raises ValueError as `fitted`.
+    """
+    fit, whole = (jkr_coefficients(contact, speeds, end) for end in (PULL_OFF, BROKEN))
+    modulus, mass = float(contact_modulus(contact)), float(contact.mass)
+    poissons_ratio, radius = float(contact.particle.poissons_ratio), float(contact.radius)
+    fastest = float(speeds.max())
+    step = float(np.min(normal_impact(contact, speeds).contact_time)) / STEPS
+    fields = described(contact, fit) | {
+        "whole": f"{whole.surface_energy:.6g}",
+        "whole_damping": f"{2.0 * modulus * whole.damping / mass:.6g}",
+        "start": repr(1.0005 * radius),
+        "modulus": f"{2.0 * (1.0 - poissons_ratio**2) * modulus:.10g}",
+        "damping": f"{2.0 * modulus * fit.damping / mass:.10g}",
+        "speed": repr(fastest),
+        "step": f"{step:.4g}",
+        "steps": str(STEPS),
+        "count": str(int(2 * STEPS + 0.001 * radius / (fastest * step))),
+    }
+    return {
+        "in.microimpact_jkr": template("in.microimpact_jkr", **fields),
+        "microimpact_jkr.csv": fit_table(fit),
+    }
+
 
 LETHE, YADE = 0, 1
 # Of a time step, in the time in which a sphere passes the depth of its impact; of steps.
@@ -156,7 +350,7 @@ def _bodies(contact: Contact) -> tuple[float, float, float]:
 def lethe_files(contact: Contact, speeds: FloatArray) -> dict[str, str]:
     """Contents by name: parameters of Lethe for a sphere and a wall, and its e beside the model's.
 
-    Raises ValueError as `microimpact.model.law.jkr.fitted`.
+    Raises ValueError as `fitted`.
     """
     fit = fitted(contact, speeds, lethe(contact), 1e-3)
     modulus, radius, _ = _bodies(contact)
@@ -166,7 +360,7 @@ def lethe_files(contact: Contact, speeds: FloatArray) -> dict[str, str]:
         "touch": f"{touch:.2g}",
     }
     return {
-        "microimpact_lethe.prm": template("microimpact_lethe.prm", fields),
+        "microimpact_lethe.prm": template("microimpact_lethe.prm", **fields),
         "microimpact_lethe.csv": fit_table(fit),
     }
 
@@ -174,7 +368,7 @@ def lethe_files(contact: Contact, speeds: FloatArray) -> dict[str, str]:
 def yade_files(contact: Contact, speeds: FloatArray) -> dict[str, str]:
     """Contents by name: functors of YADE for a contact, and its e beside the model's.
 
-    Raises ValueError as `microimpact.model.law.jkr.fitted`.
+    Raises ValueError as `fitted`.
     """
     longest = 1e-3 * float(contact.radius / speeds.max())
     fit = fitted(contact, speeds, yade(contact), longest)
@@ -185,41 +379,8 @@ def yade_files(contact: Contact, speeds: FloatArray) -> dict[str, str]:
         "restitution": f"{yades_e(contact, fit.damping, fastest):.10g}",
     }
     return {
-        "microimpact_yade.py": template("microimpact_yade", fields),
+        "microimpact_yade.py": template("microimpact_yade", **fields),
         "microimpact_yade.csv": fit_table(fit),
-    }
-
-
-def acusolve_files(law: Rebounds, rows: FloatArray, words: list[str]) -> dict[str, str]:
-    """Contents by name: e over normal speed for a wall of AcuSolve, and a text on its use.
-
-    Parameters
-    ----------
-    law
-        The rebound law of one size.
-    rows
-        Normal speeds above capture, m/s, and e, (2, n).
-    words
-        Lines that describe the law.
-    """
-    diameter = float(law.sizes.middle.diameter)
-    limit = float(law.unit(diameter))
-    first = [[0.0, limit], [0.0, 0.0]] if law.captures else [[0.0], [1.0]]
-    last = np.array([law.fastest * (1.0 - 1e-12)])  # the end itself is in no piece of the table
-    speed, e = np.concatenate([first, rows, [last, law(last, diameter)[0]]], axis=1)
-    within = np.concatenate([speed[:-1] + share * np.diff(speed) for share in (0.25, 0.5)])
-    misfit = np.max(np.abs(np.interp(within, speed, e) - law(within, diameter)[0]))
-    lines = [
-        *words,
-        f"Between the rows e is right to {misfit:.1e}.",
-        "Two columns, normal speed in m/s and e: wall_en_curve_fit_values of",
-        "FINITE_MASS_BOUNDARY_CONDITION with wall_type = reflect, wall_en_type = piecewise_linear.",
-        "A sphere with e = 0 keeps its velocity along the wall, which has no friction.",
-    ]
-    pairs = zip(speed.tolist(), e.tolist(), strict=True)
-    return {
-        "microimpact_restitution.txt": "".join(f"{v!r} {ratio!r}\n" for v, ratio in pairs),
-        "microimpact_acusolve.txt": "\n".join(lines) + "\n",
     }
 
 

@@ -10,13 +10,10 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
-from importlib.resources import files
-from itertools import product
 from pathlib import Path
-from string import Template
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -28,18 +25,16 @@ from microimpact.model.contact import Contact, require_contact
 from microimpact.model.contact_laws import RING_FORCE
 from microimpact.model.dynamics.impact import SPEED, chosen_basis, supporting_impulses
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.law.codes import FITTED, acusolve_files
+from microimpact.model.law.codes import FITTED, speeds_of_fit, template
 from microimpact.model.law.families import Sizes
-from microimpact.model.law.jkr import speeds_of_fit
 from microimpact.model.law.pieces import (
     SPLITS,
     TOLERANCES,
     WIDTHS,
-    Sampled,
     Table,
     between,
-    piecewise,
     slowness,
+    smallest,
 )
 from microimpact.model.passes import RESTITUTION, WIDTH
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
@@ -47,9 +42,8 @@ from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 # Binary exponent of the lowest octave of v/v_c - 1: there e ~ sqrt(v/v_c - 1) to some parts in a
 # million of itself, and e is 1e-4. Without adhesion, of c_H v: there e is 1 to double precision.
 LOWEST, LOWEST_BARE = -24, -52
-# Points an octave, and sizes, off the nodes, at which the error is measured; that stated is twice
-# as large.
-HELD_OUT, HELD_OUT_SIZES, SAFETY = 37, 61, 2.0
+# Points an octave, and sizes, off the nodes, at which the error is measured.
+HELD_OUT, HELD_OUT_SIZES = 37, 61
 UNIT_TOLERANCE = 1e-12  # of the capture velocity; its error over 2^LOWEST enters e = 1e-4
 BANDS = (1, 2, 4, 8)  # of sizes, tried in turn
 ROWS, SIZES = 200, 25  # of the tables for people: speeds, and diameters
@@ -68,10 +62,10 @@ class Rebounds:
     # v/unit, less 1 where the unit is the capture velocity; s/m
     slowness: FloatArray
     captures: bool  # Whether slow spheres are captured
-    # Polynomials of `RESTITUTION` and `IMPULSE`, the impulse per mass and normal speed.
+    # Polynomials of `RESTITUTION` and `IMPULSE`, the impulse per mass and normal speed. The error
+    # that it states is a share of 1, or of the number if this is larger.
     table: Table
     fastest: float  # Normal speed up to which it holds, m/s
-    error: float  # Bound of the error of both, as a share of 1 or of the number if this is larger
 
     @property
     def offset(self) -> float:
@@ -151,18 +145,22 @@ def rebounds(contact: Contact, fastest: float, basis: str, tolerance: float) -> 
     octaves = lowest, math.frexp(top)[1] - lowest + 1
     held = (math.ldexp(1.0, sum(octaves) - 1) + offset) / steepest
 
-    def points(positions: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Places x and position between the nodes, up to the fastest speed."""
+    def misfit(positions: FloatArray) -> Callable[[Table], float]:
+        """Measure of a table's error between the nodes, up to the fastest speed."""
         x = np.exp2(lowest - 1 + np.arange(HELD_OUT * octaves[1]) / HELD_OUT)
         x, position = (a.ravel() for a in np.meshgrid(x, positions))
         within = x + offset <= held * chebyshev.chebval(position, slow)
-        return x[within], position[within]
+        x, position = x[within], position[within]
+        expected = sampled(x, position)
+        return lambda table: float(
+            np.max(np.abs(table(x, position) - expected) / np.maximum(expected, 1.0))
+        )
 
-    table, error = _closest(sampled, octaves, tolerance, SPLITS, points(np.zeros(1)))
+    table = smallest(sampled, octaves, tolerance, error=misfit(np.zeros(1)))
     if sizes.half_width:
         finer = SPLITS[SPLITS.index(table.split) :][:2]
-        between_ends = points(np.linspace(-1.0, 1.0, HELD_OUT_SIZES))
-        table, error = _closest(sampled, octaves, tolerance, finer, between_ends, BANDS, WIDTHS)
+        between_ends = misfit(np.linspace(-1.0, 1.0, HELD_OUT_SIZES))
+        table = smallest(sampled, octaves, tolerance, finer, BANDS, WIDTHS, between_ends)
     return Rebounds(
         sizes=sizes,
         basis=basis,
@@ -170,54 +168,6 @@ def rebounds(contact: Contact, fastest: float, basis: str, tolerance: float) -> 
         captures=captures,
         table=table,
         fastest=held,
-        error=error,
-    )
-
-
-def _closest(
-    sampled: Sampled,
-    octaves: tuple[int, int],
-    tolerance: float,
-    splits: tuple[int, ...],
-    points: tuple[FloatArray, FloatArray],
-    bands: tuple[int, ...] = (1,),
-    widths: int = 1,
-) -> tuple[Table, float]:
-    """Return the smallest table that reaches the tolerance, and its error.
-
-    Parameters
-    ----------
-    sampled
-        The function of x and position.
-    octaves
-        The binary exponent of the first, and their number.
-    tolerance
-        Largest error.
-    splits, bands, widths
-        As of `piecewise`; of the former two, those that are tried in turn.
-    points
-        Places x and position at which the error is measured.
-
-    Raises
-    ------
-    ValueError
-        If no table does.
-    """
-    (lowest, count), (x, position) = octaves, points
-    expected = sampled(x, position)
-    error = math.inf
-    for split, band in product(splits, bands):
-        table = piecewise(
-            sampled, lowest=lowest, octaves=count, split=split, widths=widths, bands=band
-        )
-        difference = np.abs(table(x, position) - expected) / np.maximum(expected, 1.0)
-        made = SAFETY * float(np.max(difference))
-        if made <= tolerance:
-            return table, made
-        error = min(error, made)
-    raise ValueError(
-        f"tolerance {tolerance:g} is not reached; the closest comes to {error:.1g}: "
-        "give a larger one, or sizes and speeds that are closer together"
     )
 
 
@@ -244,7 +194,6 @@ def export(
         the same with a boundary condition; ``"csv"``, ``"npz"``: e and the impulses over diameter
         and speed; ``"lammps"``: the force without damping as a table of a wall, for one size;
         ``"lammps-jkr"``, ``"lethe"``, ``"yade"``: coefficients of the codes' own contacts, fitted;
-        ``"acusolve"``: a wall's table of e, for one size.
     fastest
         Fastest normal speed, m/s.
     friction_basis
@@ -285,7 +234,7 @@ def export(
         raise ValueError(f"speeds are of {', '.join(FITTED)}, got format {format!r}")
     speed = float(checked("fastest", fastest, SPEED))
     law = rebounds(contact, speed, basis, float(checked("tolerance", tolerance, TOLERANCES)))
-    if format in {"lammps", "acusolve"} and law.sizes.half_width:
+    if format == "lammps" and law.sizes.half_width:
         raise ValueError(
             f"format {format!r} is of one size: export each diameter into a separate folder"
         )
@@ -303,10 +252,6 @@ def _contents(law: Rebounds, form: str) -> dict[str, str | bytes]:
         contents["microimpact_rebound.npz"] = _archive(law)
     elif form == "lammps":
         contents["microimpact_wall.table"] = _wall_table(law)
-    elif form == "acusolve":
-        columns = _sampled(law)
-        rows = np.array([columns[name] for name in ("normal_speed_m_per_s", "restitution")])
-        contents |= acusolve_files(law, rows, _description(law))
     return contents | {name: _filled(name, law) for name in WORKED.get(form, ())}
 
 
@@ -332,11 +277,11 @@ WORKED = {
 
 def _filled(name: str, law: Rebounds) -> str:
     """Template with the numbers of the law."""
-    text = (files(__package__) / "templates" / name).read_text(encoding="utf-8")
     rows = (str(piece).replace("[", "{").replace("]", "}") for piece in law.coefficients.tolist())
     contact = law.sizes.middle
     smallest, largest = law.sizes.ends
-    return Template(text).substitute(
+    return template(
+        name,
         described="\n * ".join(_description(law)),
         version=version("microimpact"),
         basis=law.basis,
@@ -354,7 +299,7 @@ def _filled(name: str, law: Rebounds) -> str:
         slownesses=law.slowness.size,
         captures=int(law.captures),
         fastest=repr(law.fastest),
-        error=f"{law.error:.1e}",
+        error=f"{law.table.error:.1e}",
         lowest=law.table.lowest,
         split=law.table.split,
         bands=law.table.coefficients.shape[0],
@@ -381,7 +326,7 @@ def _description(law: Rebounds) -> list[str]:
         f"{contact.particle.name} on {contact.surface.name}, {' to '.join(sizes)} um: {adhesion},",
         f"{_losses(contact)}, f = {contact.friction:g} on the {law.basis} force.",
         f"Capture velocity {', '.join(limits)}; holds up to {law.fastest:.6g} m/s.",
-        f"Error of e and of the impulse ratio: {law.error:.1e}.",
+        f"Error of e and of the impulse ratio: {law.table.error:.1e}.",
         *(_of_two_spheres(contact) if contact.is_pair else ()),
     ]
 
@@ -432,7 +377,7 @@ def _sampled(law: Rebounds) -> dict[str, FloatArray]:
         "restitution": e,
         "impulse_ratio_of_sliding": np.broadcast_to(law.sizes.middle.friction * ratio, e.shape),
         "supporting_impulse_per_mass_and_speed": impulse,
-        "error": np.full(e.size, law.error),
+        "error": np.full(e.size, law.table.error),
     }
 
 

@@ -27,8 +27,6 @@ from microimpact.model.dynamics.normal import (
 
 # Relative difference of numbers computed in another order.
 SAME = 1e-14
-# Relative difference of contacts derived from each other.
-LIKE = 1e-9
 # Places stay this far inside [-1, 1] of a family made for them.
 MARGIN = 1e-6
 
@@ -120,37 +118,6 @@ class Family:
             half_width=0.0,
         )
 
-    def require(self, contact: Contact) -> None:
-        """Refuse contacts that are damped otherwise than the family is.
-
-        Raises NoTableError, naming what must be the same.
-        """
-        if not (self._damped_so(contact) if self.adhesive else self._bare_too(contact)):
-            raise NoTableError(
-                "contact: adhesion and damping must be those of the contacts that the tables were "
-                "made for"
-            )
-
-    def _bare_too(self, contact: Contact) -> bool:
-        damped = np.asarray(contact.hertz_damping) > 0.0
-        adhesive = np.any(np.asarray(contact.velocity_scale) > 0.0)
-        return not adhesive and bool(np.all(damped == (self.hertz > 0.0)))
-
-    def _damped_so(self, contact: Contact) -> bool:
-        scale = np.asarray(contact.velocity_scale)
-        if not np.all(scale > 0.0) or self.damped_attachment != contact.damped_attachment:
-            return False
-        # Where V differs, the damping is the same; else the damping groups are.
-        unit = scale if self.alike else np.asarray(self.velocity_scale)
-        rate = 1.0 if contact.reference_velocity is None else contact.reference_velocity
-        n = np.asarray(contact.adhesion_rate_exponent)
-        pairs = (
-            (contact.hertz_damping * unit, self.hertz),
-            (contact.adhesion_damping * unit * np.power(rate / unit, n), self.adhesion),
-            (n, self.exponent),
-        )
-        return all(bool(np.all(np.abs(a - b) <= LIKE * b)) for a, b in pairs)
-
     def coordinates(self, contact: Contact, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Scaled speed, and position of V in the family, in [-1, 1] within it.
 
@@ -165,29 +132,22 @@ class Family:
         position = np.log(scale / self.velocity_scale) / self.half_width
         return w, np.full(w.shape, position)
 
-    def scales(self, contact: Contact, speed: FloatArray) -> tuple[Real, Real, Real]:
-        """Units of length, velocity and mass of impacts."""
-        if self.adhesive:
-            return contact.equilibrium_compression, contact.velocity_scale, contact.mass
-        hertz = np.sqrt(contact.hertz_radius) * contact.stiffness
-        return (contact.mass * speed**2 / hertz) ** 0.4, speed, contact.mass
-
     def columns(self, contact: Contact, shape: tuple[int, ...]) -> FloatArray:
         """Columns of contacts (n, columns) for a compiled pass, see `model.passes`.
 
         One contact is one row.
         """
         fields: dict[int, Real] = {passes.RADIUS: contact.radius, passes.FRICTION: contact.friction}
-        fields[passes.UNIT] = 1.0 / contact.hertz_damping if self.hertz else 1.0
-        if self.adhesive:
-            scale = np.asarray(contact.velocity_scale)
-            length, velocity, _ = self.scales(contact, scale)
-            fields |= {passes.UNIT: scale, passes.VELOCITY: velocity}
-            fields |= {passes.LENGTH: length, passes.TIME: length / velocity}
-            if not self.alike:
-                fields[passes.PLACE] = np.log(scale / self.velocity_scale) / self.half_width
-        else:
-            fields[passes.LENGTH] = self.scales(contact, np.ones(()))[0]
+        if not self.adhesive:
+            hertz = np.sqrt(contact.hertz_radius) * contact.stiffness
+            fields[passes.UNIT] = 1.0 / contact.hertz_damping if self.hertz else 1.0
+            fields[passes.LENGTH] = (contact.mass / hertz) ** 0.4
+            return _stacked(fields, shape if contact.shape else (1,))
+        scale, length = np.asarray(contact.velocity_scale), contact.equilibrium_compression
+        fields |= {passes.UNIT: scale, passes.VELOCITY: scale}
+        fields |= {passes.LENGTH: length, passes.TIME: length / scale}
+        if not self.alike:
+            fields[passes.PLACE] = np.log(scale / self.velocity_scale) / self.half_width
         return _stacked(fields, shape if contact.shape else (1,))
 
     def groups(self, w: FloatArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -328,35 +288,18 @@ class Sizes:
         """Whether there is one size only."""
         return self.half_width == 0.0
 
-    def require(self, contact: Contact) -> None:
-        """Refuse contacts that differ in more than their diameter, with a NoTableError."""
-        alike = Sizes.of(contact).middle.replace(diameter=self.middle.diameter)
-        if type(alike.law) is not type(self.middle.law) or not all(
-            abs(a - b) <= LIKE * abs(b)
-            for a, b in zip(_numbers(alike), _numbers(self.middle), strict=True)
-        ):
-            raise NoTableError("contact must be one that the table was made for, but for its size")
-
     def coordinates(self, contact: Contact, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Speed in its unit, and position; see `Family.coordinates`."""
         position = self.position(contact.diameter, beyond=True)
         w = np.asarray(speed / self.units(position))
         return w, np.zeros(1) if self.alike else np.broadcast_to(position, w.shape)
 
-    def scales(self, contact: Contact, _: FloatArray) -> tuple[Real, Real, Real]:
-        """Units of length, velocity and mass of impacts."""
-        return (
-            contact.radius,
-            self.units(self.position(contact.diameter, beyond=True)),
-            contact.mass,
-        )
-
     def columns(self, contact: Contact, shape: tuple[int, ...]) -> FloatArray:
         """Columns of contacts (n, columns); see `Family.columns`."""
-        length, velocity, _ = self.scales(contact, np.ones(()))
-        fields: dict[int, Real] = {passes.RADIUS: contact.radius, passes.FRICTION: contact.friction}
-        fields |= {passes.UNIT: velocity, passes.VELOCITY: velocity, passes.LENGTH: length}
-        fields |= {passes.TIME: length / velocity}
+        radius, velocity = contact.radius, self.units(self.position(contact.diameter, beyond=True))
+        fields: dict[int, Real] = {passes.RADIUS: radius, passes.FRICTION: contact.friction}
+        fields |= {passes.UNIT: velocity, passes.VELOCITY: velocity}
+        fields |= {passes.LENGTH: radius, passes.TIME: radius / velocity}
         if not self.alike:
             fields[passes.PLACE] = self.position(contact.diameter, beyond=True)
         return _stacked(fields, shape if contact.shape else (1,))
@@ -370,9 +313,9 @@ class Sizes:
     ) -> tuple[FloatArray, BoolArray]:
         """Impacts at coordinates; see `Family.impacts`."""
         contact = self.contact(position)
-        length, velocity, mass = self.scales(contact, w)
+        length, velocity = contact.radius, self.units(self.position(contact.diameter, beyond=True))
         impact = normal_impact(contact, w * velocity)
-        impulse = mass * velocity
+        impulse = contact.mass * velocity
         values = np.zeros((passes.WIDTH, w.size))
         values[passes.RESTITUTION] = impact.coefficient_of_restitution
         values[passes.CONTACT_TIME] = impact.contact_time * velocity / length
@@ -383,13 +326,6 @@ class Sizes:
         stays = np.asarray(impact.captured)
         values[passes.COMPRESSIVE :, stays] = 0.0
         return values, stays
-
-
-def _numbers(contact: Contact) -> list[float]:
-    """Numbers that decide a normal impact by a law."""
-    law = contact.law
-    bodies = contact.mass, contact.hertz_radius, contact.hertz_stiffness, contact.work_of_adhesion
-    return [float(x) for x in (*bodies, *(law.parameters.values() if law else ()))]
 
 
 def _stacked(fields: dict[int, Real], shape: tuple[int, ...]) -> FloatArray:

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -27,6 +28,7 @@ BLOCK = 1 << 15
 
 # Pieces per octave that are tried in turn, until the error is within the tolerance.
 SPLITS, TOLERANCES = (1, 2, 4, 8), Range(lower=0.0, upper=1.0)
+SAFETY = 2.0  # the error stated over that measured between the nodes
 WIDTHS = 6  # nodes in a band
 # Nodes of a speed over g.
 SPEED_WIDTHS = (8, 11, 15, 20, 30, 45, 60)
@@ -45,7 +47,7 @@ class Table:
     coefficients: FloatArray
     lowest: int  # Binary exponent of the first octave
     split: int  # Pieces per octave
-    error: float  # Largest difference from the function at points between the nodes, relative
+    error: float  # Largest relative difference from the function between the nodes, or its bound
 
     @property
     def pieces(self) -> int:
@@ -171,26 +173,14 @@ def _places(lowest: int, octaves: int, split: int, points: FloatArray) -> FloatA
     return np.asarray((octave[:, None, None] * (1.0 + part)).reshape(octaves * split, -1))
 
 
-def piecewise(
-    sampled: Sampled, *, lowest: int, octaves: int, split: int, widths: int = 1, bands: int = 1
+def _piecewise(
+    sampled: Sampled, octaves: tuple[int, int], split: int, bands: int, widths: int
 ) -> Table:
-    """Table of a function.
-
-    Parameters
-    ----------
-    sampled
-        The function; quantities that are not needed are zero.
-    lowest, octaves
-        Binary exponent of the first octave of x, as of `math.frexp`, and their number.
-    split
-        Pieces per octave.
-    widths, bands
-        Nodes in g in a band, and number of bands.
-    """
+    """Table of a function, see `smallest`; quantities that are not needed are zero."""
 
     def points(along: FloatArray, across: FloatArray) -> tuple[FloatArray, ...]:
         """Places x and g, shape (bands, pieces, across, along)."""
-        x = _places(lowest, octaves, split, along)
+        x = _places(*octaves, split, along)
         g = (2.0 * np.arange(bands)[:, None] + 1.0 + across) / bands - 1.0
         return np.broadcast_arrays(x[None, :, None, :], g[:, None, :, None])
 
@@ -203,7 +193,7 @@ def piecewise(
             sampled(np.ravel(x), np.ravel(g)).reshape(WIDTH, *x.shape),
             order="C",
         ),
-        lowest=lowest,
+        lowest=octaves[0],
         split=split,
         error=0.0,
     )
@@ -215,3 +205,47 @@ def piecewise(
     relative = np.divide(difference, np.abs(expected), out=difference, where=expected != 0.0)
     error = float(np.max(relative)) if np.all(np.isfinite(relative)) else math.inf
     return replace(table, error=error)
+
+
+def smallest(
+    sampled: Sampled,
+    octaves: tuple[int, int],
+    tolerance: float,
+    splits: tuple[int, ...] = SPLITS,
+    bands: tuple[int, ...] = (1,),
+    widths: int = 1,
+    error: Callable[[Table], float] = lambda table: table.error,
+) -> Table:
+    """Smallest table of a function that reaches a tolerance.
+
+    Parameters
+    ----------
+    sampled
+        The function.
+    octaves
+        Binary exponent of the first octave of x, as of `math.frexp`, and their number.
+    tolerance
+        Largest error, which is stated `SAFETY` times as large as measured.
+    splits, bands
+        Pieces per octave and bands of g that are tried in turn.
+    widths
+        Nodes in g in a band.
+    error
+        Measure of a table's error, which the table states; that between the nodes if not given.
+
+    Raises
+    ------
+    NoTableError
+        If no table does.
+    """
+    least = math.inf
+    for split, band in product(splits, bands):
+        table = _piecewise(sampled, octaves, split, band, widths)
+        stated = SAFETY * error(table)
+        if stated <= tolerance:
+            return replace(table, error=stated)
+        least = min(least, stated)
+    raise NoTableError(
+        f"no table reaches the tolerance {tolerance:g}; the closest comes to {least:.1g}: "
+        "give a larger one, or sizes and speeds that are closer together"
+    )

@@ -25,9 +25,7 @@ from microimpact.core.arrays import (
     FloatArray,
     Numbers,
     Range,
-    Real,
     checked,
-    common_shape,
 )
 from microimpact.core.readable import Readable
 from microimpact.core.solve import IntArray
@@ -41,28 +39,24 @@ from microimpact.model.dynamics.impact import (
     planar_fields,
     velocity_components,
 )
-from microimpact.model.dynamics.normal import NormalImpact
-from microimpact.model.law.families import Family, NoTableError, Sizes
+from microimpact.model.law.families import Family, Sizes
 from microimpact.model.law.pieces import (
     NOTHING,
-    SPLITS,
     TOLERANCES,
     WIDTHS,
     Compiled,
-    Sampled,
     Table,
     between,
     compiled,
     in_blocks,
-    piecewise,
     slowness,
+    smallest,
 )
 
 TOLERANCE, TOLERANCE_BY_LAW = 1e-9, 1e-6
 
 # Relative distance from the capture velocity within which impacts are integrated.
 THRESHOLD = 2.0**-9
-NEAREST = -8  # the binary exponent of it
 
 # Octaves of speed that a table has at most; bands of velocity scales that are tried in turn.
 MOST_OCTAVES = 64
@@ -70,9 +64,6 @@ BANDS = (1, 2, 4, 8, 16, 32)
 
 # Of the capture velocity; its error, divided by THRESHOLD, enters e.
 CAPTURE_TOLERANCE = 1e-13
-
-# The error stated is so many times the error measured between the nodes.
-SAFETY = 2.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -186,9 +177,7 @@ class Law(Readable):
         """Number of pieces of both tables."""
         return self.rebounds.pieces + self.captures.pieces
 
-    def quantities(
-        self, w: FloatArray, position: FloatArray, *, threads: int = 1
-    ) -> tuple[FloatArray, BoolArray]:
+    def quantities(self, w: FloatArray, position: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Scaled quantities (WIDTH, n) of impacts, and the captured ones (n,).
 
         Parameters
@@ -196,16 +185,9 @@ class Law(Readable):
         w, position
             Coordinates of the impacts, see `Family.coordinates`; a position of one element holds
             for all impacts.
-        threads
-            Among which the work is shared; results do not depend on it.
         """
         values = np.empty((passes.WIDTH, w.size))
-
-        def block(part: slice) -> None:
-            positions = position if position.size == 1 else position[part]
-            passes.look_up(w[part], positions, self.compiled, values, part.start)
-
-        in_blocks(block, w.size, threads)
+        passes.look_up(w, position, self.compiled, values, 0)
         rest = np.flatnonzero(np.isnan(values[passes.RESTITUTION]))
         captured = values[passes.CONTACT_TIME] == np.inf
         if rest.size:
@@ -224,45 +206,6 @@ class Law(Readable):
             values, _ = self.family.impacts(w[rest], positions, ledger=False)
             e[rest] = values[passes.RESTITUTION]
         return e
-
-    def normal_impact(self, contact: Contact, speed: Real, *, threads: int = 1) -> NormalImpact:
-        """Return normal impacts of contacts of this family; as `normal.normal_impact`.
-
-        Contacts whose velocity scale is not in the family share its damping all the same.
-        Impulses of captured impacts are zero.
-
-        Parameters
-        ----------
-        contact, speed
-            As of `normal.normal_impact`.
-        threads
-            As in `quantities`.
-
-        Raises
-        ------
-        NoTableError
-            If the contacts are damped otherwise, or only some adhere.
-        """
-        self.family.require(contact)
-        shape = common_shape({"contact": contact.extent, "speed": speed})
-        w, position = self.family.coordinates(contact, np.broadcast_to(speed, shape))
-        values, captured = self.quantities(np.ravel(w), np.ravel(position), threads=threads)
-        length, velocity, mass = self.family.scales(contact, np.asarray(speed))
-
-        def scaled(column: int, unit: Real = 1.0) -> FloatArray:
-            return np.asarray(values[column].reshape(shape) * unit)
-
-        return NormalImpact(
-            captured=captured.reshape(shape),
-            coefficient_of_restitution=scaled(passes.RESTITUTION),
-            contact_time=scaled(passes.CONTACT_TIME, length / velocity),
-            compression_time=scaled(passes.COMPRESSION_TIME, length / velocity),
-            maximum_compression=scaled(passes.COMPRESSION, length),
-            compressive_impulse=scaled(passes.COMPRESSIVE, mass * velocity),
-            peak_net_impulse=scaled(passes.PEAK, mass * velocity),
-            hertz_impulse=scaled(passes.HERTZ, mass * velocity),
-            interpolation_error=self._error(np.ravel(w), np.ravel(position)).reshape(shape),
-        )
 
     def _error(self, w: FloatArray, position: FloatArray) -> FloatArray:
         """Bound of the relative difference from integration."""
@@ -323,16 +266,15 @@ def tabulate(
     least, greatest = float(np.min(slow)), float(np.max(fast))
     rebounds = captures = NOTHING
     if not slowness.size:
-        rebounds = _fitted(family, slowness, _span(least, greatest), tolerance)
+        rebounds = _fitted(family, slowness, _octaves(least, greatest), tolerance)
     else:
         limits = 1.0 / chebyshev.chebval(between(60), slowness)
         excess = greatest / float(limits.min()) - 1.0
         if excess >= THRESHOLD:
-            span = (NEAREST, _span(THRESHOLD, excess)[1])
-            rebounds = _fitted(family, slowness, span, tolerance)
+            rebounds = _fitted(family, slowness, _octaves(THRESHOLD, excess), tolerance)
         if least < float(limits.max()):
-            span = _span(least / float(limits.max()), 1.0 - THRESHOLD)
-            captures = _fitted(family, slowness, span, tolerance, captured=True)
+            octaves = _octaves(least / float(limits.max()), 1.0 - THRESHOLD)
+            captures = _fitted(family, slowness, octaves, tolerance, captured=True)
     return Law(
         contact=contact,
         family=family,
@@ -340,14 +282,18 @@ def tabulate(
         slowness=slowness,
         rebounds=rebounds,
         captures=captures,
-        error=SAFETY * max(rebounds.error, captures.error),
+        error=max(rebounds.error, captures.error),
     )
 
 
-def _span(lowest: float, highest: float) -> tuple[int, int]:
-    """First and last octave, by binary exponents, from the lowest to the highest x."""
-    last = math.frexp(highest)[1]
-    return max(math.frexp(lowest)[1], last - MOST_OCTAVES + 1), last
+def _octaves(lowest: float, highest: float) -> tuple[int, int]:
+    """Binary exponent of the first octave, and number of octaves, from the lowest x to the highest.
+
+    There are `MOST_OCTAVES` at most, the highest.
+    """
+    first, last = math.frexp(lowest)[1], math.frexp(highest)[1]
+    number = min(last - first + 1, MOST_OCTAVES)
+    return last - number + 1, number
 
 
 def _slowness(family: Family | Sizes) -> FloatArray:
@@ -360,7 +306,7 @@ def _slowness(family: Family | Sizes) -> FloatArray:
 def _fitted(
     family: Family | Sizes,
     slowness: FloatArray,
-    span: tuple[int, int],
+    octaves: tuple[int, int],
     tolerance: float,
     *,
     captured: bool = False,
@@ -377,35 +323,7 @@ def _fitted(
             values[passes.CONTACT_TIME] = 0.0  # really infinite, and not asked of the table
         return values
 
-    made = _tried(sampled, span, SPLITS, (1,), 1, tolerance if family.alike else 0.25 * tolerance)
-    if not family.alike:
-        made = _tried(sampled, span, (made.split,), BANDS, WIDTHS, tolerance)
-    return made
-
-
-def _tried(
-    sampled: Sampled,
-    span: tuple[int, int],
-    splits: tuple[int, ...],
-    bands: tuple[int, ...],
-    widths: int,
-    tolerance: float,
-) -> Table:
-    error = math.inf
-    for split in splits:
-        for band in bands:
-            made = piecewise(
-                sampled,
-                lowest=span[0],
-                octaves=span[1] - span[0] + 1,
-                split=split,
-                widths=widths,
-                bands=band,
-            )
-            if SAFETY * made.error <= tolerance:
-                return made
-            error = min(error, made.error)
-    raise NoTableError(
-        f"no table reaches the tolerance {tolerance:g}; the closest comes to {SAFETY * error:.1g}: "
-        "give a larger one"
-    )
+    if family.alike:
+        return smallest(sampled, octaves, tolerance)
+    split = smallest(sampled, octaves, 0.25 * tolerance).split
+    return smallest(sampled, octaves, tolerance, (split,), BANDS, WIDTHS)

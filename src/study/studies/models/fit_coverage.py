@@ -37,8 +37,7 @@ from microimpact.model.empirical.data import DataSets, data_sets, stacked_sets
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.intervals import interval_batch
 from microimpact.model.empirical.search import BatchFit, fit_batch
-from microimpact.model.law_draws import calibrate_laws
-from microimpact.model.posterior import NoConvergenceError
+from microimpact.model.posterior import NoConvergenceError, calibrate_laws
 from microimpact.statistics.distributions import generator
 from microimpact.statistics.intervals import wilson_interval
 from study.declared.parameters import CaseName

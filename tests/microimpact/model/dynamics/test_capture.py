@@ -39,6 +39,8 @@ def test_it_separates_capture_from_rebound(scaled, exponent, damped):
     )
     # 45 halvings leave 1e-12 of the speed
     assert capture_velocity(contact) == pytest.approx(bisected(contact), rel=1e-11)
+    overdamped = contact.replace(hertz_damping=0.6 / contact.velocity_scale)
+    assert np.isinf(capture_velocity(overdamped)).all()
 
 
 def test_arrays_give_what_each_contact_gives_alone(scaled):
@@ -57,11 +59,6 @@ def test_it_is_zero_without_damping_and_without_adhesion(scaled):
     assert capture_velocity(rated) == 0.0
     bare = scaled(0.1, 0.1, adhesion_rate_exponent=1.0, reference_velocity=1.0)
     assert capture_velocity(bare.replace(work_of_adhesion=0.0)) == 0.0
-
-
-def test_a_single_contact_gives_a_number(contact):
-    assert np.ndim(capture_velocity(contact)) == 0
-    assert capture_velocity(contact.replace(diameter=np.array([]))).shape == (0,)
 
 
 def _escapes(c_h, c_a):
@@ -101,17 +98,6 @@ def test_the_bounds_of_damping_that_always_captures_lie_just_beyond():
     assert CRITICAL_ADHESION < ALWAYS_CAPTURED_ADHESION_GROUP < 1.01 * CRITICAL_ADHESION
 
 
-def test_the_critical_curve_falls(scaled):
-    hertz = np.array([0.0, 0.01, 0.1, 0.3, 0.4, 0.48])
-    low, high = np.zeros(hertz.size), np.full(hertz.size, 2.0)
-    for _ in range(20):
-        middle = 0.5 * (low + high)
-        finite = np.isfinite(capture_velocity(scaled(hertz, middle)))
-        low, high = np.where(finite, middle, low), np.where(finite, high, middle)
-    assert (np.diff(high) < 0).all()
-    assert high[:4] == pytest.approx([1.16, 1.11, 0.80, 0.34], abs=0.006)
-
-
 def test_damped_attachment_captures_more(scaled):
     plain, damped = (capture_velocity(scaled(0.0, 0.3, damped_attachment=d)) for d in (False, True))
     assert damped > 1.1 * plain
@@ -124,11 +110,6 @@ def test_a_rated_threshold_meets_its_own_damping(scaled, exponent):
     threshold = capture_velocity(contact)
     constant = scaled(0.02).replace(adhesion_damping=contact.adhesion_damping_at(threshold))
     assert capture_velocity(constant) == pytest.approx(threshold, rel=1e-10 * max(1, exponent))
-
-
-def test_a_rated_contact_without_hope_is_infinite(scaled):
-    contact = scaled(0.6, 0.1, adhesion_rate_exponent=1.0, reference_velocity=1.0)
-    assert np.isinf(capture_velocity(contact))
 
 
 @pytest.mark.parametrize("ledger", [False, True])

@@ -42,21 +42,6 @@ def test_the_ledger_does_not_change_the_path(sample):
         assert np.array_equal(plain[:, column], full[:, column])
 
 
-def test_rows_begin_where_cache_lines_do():
-    for number in (1, 27, 28):
-        rows = kernel._rows(number)
-        assert rows.shape == (number, kernel.LANES)
-        assert rows.ctypes.data % 64 == 0
-        assert not rows.any()
-
-
-def test_no_problems_give_no_results():
-    assert integrate(np.zeros((0, kernel.PROBLEM_COLUMNS)), ledger=True).shape == (
-        0,
-        kernel.RESULT_COLUMNS,
-    )
-
-
 def test_statuses_tell_rebound_from_capture():
     stays = problem(2.0, always_captured=True)
     rows = np.array([problem(2.0, c_a=0.3), problem(0.3, c_a=0.3), stays])
@@ -100,8 +85,3 @@ def test_the_recorded_path_ends_where_the_integration_ends():
     assert ends[:count, 2].sum() == pytest.approx(result[kernel.HERTZ_IMPULSE], rel=1e-13)
     end_u = np.polyval(series[count - 1, 1, ::-1], ends[count - 1, 0])
     assert end_u == pytest.approx(result[kernel.END_U], rel=1e-13)
-
-
-def test_a_record_that_does_not_fit_says_so():
-    series, ends = np.zeros((3, 2, kernel.ORDER + 1)), np.zeros((3, 3))
-    assert kernel.record(problem(2.0), False, np.inf, series, ends) == -1

@@ -1,6 +1,7 @@
 """Other laws of the normal force: closed forms, published limits, integrations of another kind."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -21,11 +22,13 @@ from microimpact.model.closed_forms import (
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import planar, simulate, spatial
+from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
-from microimpact.model.law.table import tabulate
 from microimpact.model.separation import jkr_pull_off
+
+# Of SI numbers, which may be small: a share alone.
+approx = partial(pytest.approx, abs=0.0)
 
 EVERY = [
     JKR(),
@@ -85,7 +88,7 @@ class TestJKR:
         least = minimize_scalar(
             lambda a: book.force(a) * 1e6, bounds=(1e-9, 1e-5), options={"xatol": 1e-16}
         )
-        assert contact.pull_off_force == pytest.approx(-least.fun / 1e6, rel=1e-12)
+        assert contact.pull_off_force == approx(-least.fun / 1e6, rel=1e-12)
         assert contact.pull_off_force == jkr_pull_off(0.5, contact.hertz_radius)
 
     def test_all_that_is_lost_is_lost_between_closing_and_break(self, build):
@@ -95,18 +98,18 @@ class TestJKR:
         speed = np.array([0.02, 0.1, 1.66, 50.0])
         e = normal_impact(contact, speed).coefficient_of_restitution
         sticking = math.sqrt(2 * lost / contact.mass)
-        assert e == pytest.approx(np.sqrt(1 - (sticking / speed) ** 2), rel=1e-12)
-        assert capture_velocity(contact) == pytest.approx(sticking, rel=1e-12)
-        assert jkr_loss(contact) == pytest.approx(lost, rel=1e-12)
+        assert e == approx(np.sqrt(1 - (sticking / speed) ** 2), rel=1e-12)
+        assert capture_velocity(contact) == approx(sticking, rel=1e-12)
+        assert jkr_loss(contact) == approx(lost, rel=1e-12)
         # Thornton and Ning print 14.18 for the constant of its square.
-        assert sticking == pytest.approx(jkr_sticking_velocity(contact), rel=4e-4)
+        assert sticking == approx(jkr_sticking_velocity(contact), rel=4e-4)
 
     def test_tabors_number_goes_with_the_stretch_over_the_spacing(self, build):
         contact = build(JKR())
         book = Textbook(contact)
         # Least compression 3 a^2/R at a^3 = pi w R^2 / 8 E*: Tabor's length is 0.62 of that.
         length = -book.compression(book.broken) / (3 * (math.pi / 8) ** (2 / 3))
-        assert tabor_number(contact) == pytest.approx(length / 0.4e-9, rel=1e-12)
+        assert tabor_number(contact) == approx(length / 0.4e-9, rel=1e-12)
         assert [contact_regime(n) for n in (9.0, 1.0, 0.05)] == [
             "JKR",
             "between JKR and DMT",
@@ -131,11 +134,11 @@ class TestJKR:
             rates, (0, 1e-5), [0.0, speed], events=parted, method="LSODA", rtol=1e-9, atol=1e-18
         )
         impact = normal_impact(contact, speed)
-        assert impact.coefficient_of_restitution == pytest.approx(-path.y[1, -1] / speed, rel=1e-5)
-        assert impact.contact_time == pytest.approx(path.t[-1], rel=1e-5)
-        assert impact.maximum_compression == pytest.approx(path.y[0].max(), rel=1e-3)
+        assert impact.coefficient_of_restitution == approx(-path.y[1, -1] / speed, rel=1e-5)
+        assert impact.contact_time == approx(path.t[-1], rel=1e-5)
+        assert impact.maximum_compression == approx(path.y[0].max(), rel=1e-3)
         snap = -book.energy(book.broken, book.closed)
-        assert impact.losses.adhesion == pytest.approx(snap, rel=1e-6)
+        assert impact.losses.adhesion == approx(snap, rel=1e-6)
 
     @pytest.mark.parametrize("viscous_time", [1e-12, 1e-11, 1e-10])
     def test_without_adhesion_it_follows_the_viscoelastic_series(self, build, viscous_time):
@@ -144,22 +147,8 @@ class TestJKR:
         group = contact.hertz_stiffness * math.sqrt(contact.hertz_radius) / contact.mass
         first = 3 * 1.25**0.6 * 0.4 * beta(0.6, 1.5) * viscous_time * group**0.4 * 1.66**0.2
         e = normal_impact(contact, 1.66).coefficient_of_restitution
-        assert e == pytest.approx(1 - first + 0.6 * first**2, abs=max(first**3, 1e-14))
-        assert 3 * 1.25**0.6 * 0.4 * beta(0.6, 1.5) / 1.5 == pytest.approx(1.15344, rel=1e-5)
-
-    def test_integration_and_closed_form_meet(self, build):
-        speed = np.geomspace(0.018, 20.0, 30)
-        closed = normal_impact(build(JKR()), speed)
-        followed = normal_impact(build(JKR(viscous_time=1e-30)), speed)
-        for name, error in {
-            "coefficient_of_restitution": 1e-11,
-            "contact_time": 1e-6,
-            "compression_time": 1e-10,
-            "maximum_compression": 1e-13,
-            "compressive_impulse": 1e-12,
-            "peak_net_impulse": 1e-12,
-        }.items():
-            assert getattr(closed, name) == pytest.approx(getattr(followed, name), rel=error)
+        assert e == approx(1 - first + 0.6 * first**2, abs=max(first**3, 1e-14))
+        assert 3 * 1.25**0.6 * 0.4 * beta(0.6, 1.5) / 1.5 == approx(1.15344, rel=1e-5)
 
     @pytest.mark.parametrize("viscous_time", [3e-10, 3e-9, 2e-8])
     def test_outcomes_are_smooth_in_the_size_and_do_not_depend_on_the_company(
@@ -183,11 +172,6 @@ class TestJKR:
         )
         assert np.array_equal(alone.contact_time, impact.contact_time[3:8])
 
-    def test_a_bulk_too_viscous_captures_at_any_speed(self, build):
-        contact = build(JKR(viscous_time=1e-5))
-        assert capture_velocity(contact) == math.inf
-        assert normal_impact(contact, 2.0).captured
-
     @pytest.mark.parametrize("viscous_time", [1e-7, 1e-6, 1e-4])
     def test_overdamped_spheres_creep_or_turn_and_stay(self, build, viscous_time):
         """Hard ones turn beyond equilibrium, soft ones creep towards it; neither fails."""
@@ -199,16 +183,16 @@ class TestJKR:
         balance = (6 * math.pi * 5.0 * book.radius**2 / contact.hertz_stiffness) ** (1 / 3)
         least = book.compression(balance)
         assert np.all(impact.maximum_compression >= least * (1 - 1e-6))
-        assert impact.maximum_compression[0] == pytest.approx(least, rel=1e-6)
-
-    def test_beyond_double_precision_it_says_so(self, build):
-        with pytest.raises(ValueError, match=r"law\.viscous_time must be at most .* got 0\.001"):
-            normal_impact(build(JKR(viscous_time=1e-3), work=0.0), 1.0)
+        assert impact.maximum_compression[0] == approx(least, rel=1e-6)
 
     def test_heavily_damped_restitution_goes_with_the_fifth_power(self, build):
         times = np.array([1e-6, 2e-6])
-        e = normal_impact(build(JKR(viscous_time=times), work=0.0), 1.0).coefficient_of_restitution
-        assert math.log2(e[1] / e[0]) == pytest.approx(-5.0, abs=1e-4)
+        contact = build(JKR(viscous_time=times), work=0.0)
+        assert not capture_velocity(contact).any()
+        e = normal_impact(contact, 1.0).coefficient_of_restitution
+        assert math.log2(e[1] / e[0]) == approx(-5.0, abs=1e-4)
+        with pytest.raises(ValueError, match=r"law\.viscous_time must be at most .* got 0\.001"):
+            normal_impact(build(JKR(viscous_time=1e-3), work=0.0), 1.0)
 
 
 class TestThorntonNing:
@@ -219,12 +203,9 @@ class TestThorntonNing:
         limit = yield_velocity(contact, 1e9)
         e = normal_impact(contact, self.SPEED).coefficient_of_restitution
         np.testing.assert_allclose(e, plastic_restitution(self.SPEED, limit), rtol=1e-13)
-        assert normal_impact(contact, 0.999 * limit).coefficient_of_restitution == pytest.approx(1)
-
-    def test_at_high_speed_it_falls_with_the_fourth_root(self, build):
-        contact = build(ThorntonNing(yield_pressure=2e9))
-        e = normal_impact(contact, np.array([1e6, 2e6])).coefficient_of_restitution
-        assert math.log2(e[1] / e[0]) == pytest.approx(-0.25, abs=2e-3)
+        assert normal_impact(contact, 0.999 * limit).coefficient_of_restitution == approx(
+            1, rel=1e-12
+        )
 
     def test_loading_is_that_of_the_published_stiffness(self, build):
         """dP/dx = (3 pi R p_y P_1^(1/2) - 2 R* E* a P_c^(1/2)) / (3 P_1^(1/2) - P_c^(1/2))."""
@@ -258,81 +239,71 @@ class TestThorntonNing:
         )
         a, force = path.t[-1], path.y[0, -1]
         impact = normal_impact(contact, speed)
-        assert impact.maximum_compression == pytest.approx(book.compression(a), rel=1e-8)
+        assert impact.maximum_compression == approx(book.compression(a), rel=1e-8)
         # Unloads as JKR with the radius that has this contact radius at this force.
         elastic = Textbook(contact)
         cube = 4 * modulus * a**3 / 3
         book.radius = cube / (force + math.sqrt(8 * math.pi * book.work * modulus * a**3))
         left = book.energy(book.broken, a)
-        assert impact.coefficient_of_restitution == pytest.approx(math.sqrt(left / kinetic), 1e-8)
+        assert impact.coefficient_of_restitution == approx(math.sqrt(left / kinetic), 1e-8)
         # In the bulk: the work there and back, of which the surfaces take no part.
         closing = elastic.energy(0.0, elastic.closed)
         lost = closing + kinetic - book.energy(0.0, a)
-        assert impact.losses.bulk == pytest.approx(lost, rel=1e-6)
+        assert impact.losses.bulk == approx(lost, rel=1e-6)
         # By the pull of the closing contact, and of the flattened one that breaks.
         lost = book.energy(0.0, book.broken) - closing
-        assert impact.losses.adhesion == pytest.approx(lost, rel=1e-6)
-
-    def test_a_hard_sphere_is_elastic(self, build):
-        hard = normal_impact(build(ThorntonNing(yield_pressure=1e12)), self.SPEED)
-        elastic = normal_impact(build(JKR()), self.SPEED)
-        for name in ("coefficient_of_restitution", "contact_time", "compressive_impulse"):
-            np.testing.assert_allclose(getattr(hard, name), getattr(elastic, name), rtol=1e-11)
-        np.testing.assert_allclose(hard.losses.bulk, 0.0, atol=1e-12 * elastic.losses.adhesion[0])
+        assert impact.losses.adhesion == approx(lost, rel=1e-6)
 
 
 class TestHysteresis:
-    SPEED = np.array([0.02, 0.3, 0.75, 1.66, 20.0])
-
-    def test_equal_works_give_the_elastic_contact(self, build):
-        same = normal_impact(build(Hysteresis(unloading_work=0.5)), self.SPEED)
-        elastic = normal_impact(build(JKR()), self.SPEED)
-        for name in ("coefficient_of_restitution", "contact_time", "peak_net_impulse"):
-            np.testing.assert_allclose(getattr(same, name), getattr(elastic, name), rtol=1e-13)
-
     @pytest.mark.parametrize("work", [0.0, 0.5, 3.9])
     def test_the_loss_is_that_of_area_and_of_both_ends(self, build, work):
         """(w_2 - w_1) pi a^2, the elastic contact that closes and the one that breaks."""
         contact = build(Hysteresis(unloading_work=4.0), work=work)
-        impact = normal_impact(contact, self.SPEED[2:])
+        impact = normal_impact(contact, np.array([0.75, 1.66, 20.0]))
         book, opening = Textbook(contact), Textbook(contact, 4.0)
         for i, compression in enumerate(impact.maximum_compression):
             a = brentq(lambda x, c=compression: book.compression(x) - c, 1e-7, 1e-4, xtol=1e-20)
             lost = (4.0 - work) * math.pi * a**2 + opening.energy(0.0, opening.broken)
             lost -= book.energy(0.0, book.closed) if work else 0.0
-            assert impact.losses.adhesion[i] == pytest.approx(lost, rel=1e-9)
+            assert impact.losses.adhesion[i] == approx(lost, rel=1e-9)
         assert not impact.losses.bulk.any()
-
-    def test_its_loss_fades_at_high_speed(self, build):
-        """The loss goes with the area, v^(4/5), the energy with v^2: no plateau below one."""
-        contact = build(Hysteresis(unloading_work=4.0))
-        lost = 1 - normal_impact(contact, np.array([1e4, 2e4])).coefficient_of_restitution ** 2
-        assert math.log2(lost[1] / lost[0]) == pytest.approx(-1.2, abs=2e-3)
 
     def test_it_does_not_gain_energy(self, build):
         with pytest.raises(ValueError, match=r"law\.unloading_work must not be below .*0\.5"):
             build(Hysteresis(unloading_work=0.4))
 
 
+@pytest.mark.parametrize(
+    "law",
+    [JKR(viscous_time=1e-30), ThorntonNing(yield_pressure=1e12), Hysteresis(unloading_work=0.5)],
+    ids=lambda law: law.name,
+)
+def test_without_viscosity_yield_or_hysteresis_it_is_the_elastic_contact(build, law):
+    """The viscous one is integrated, the elastic one a closed form."""
+    speed = np.geomspace(0.018, 20.0, 30)
+    found, elastic = (normal_impact(build(each), speed) for each in (law, JKR()))
+    for name, error in {
+        "coefficient_of_restitution": 1e-11,
+        "contact_time": 1e-6,
+        "compression_time": 1e-10,
+        "maximum_compression": 1e-13,
+        "compressive_impulse": 1e-11,
+        "peak_net_impulse": 1e-11,
+    }.items():
+        assert getattr(found, name) == approx(getattr(elastic, name), rel=error), name
+    assert np.all(np.abs(found.losses.bulk) <= 1e-12 * build(law).mass * speed**2)
+
+
 @every_law
 class TestEveryLaw:
-    def test_oblique_impacts_take_it(self, build, law):
-        contact = build(law)
-        shallow, steep = simulate(contact, 1.66, [10.0, 80.0], friction_basis="pull-off").rolling
-        assert not shallow
-        assert steep
-        plane = planar(contact, -0.5, 1.2, 1e4)
-        space = spatial(contact, (1.2, 0.0, -0.5), (0.0, 1e4, 0.0))
-        assert space.velocity[0] == pytest.approx(plane.tangential_velocity, rel=1e-13)
-        assert 0.0 < plane.energy_loss < 1.0
-
     def test_friction_of_thornton_and_yin_counts_twice_the_pull_off_force(self, build, law):
         contact = build(law)
         impact = normal_impact(contact, 0.4)
         slid = simulate(contact, 40.0, math.degrees(math.asin(0.01)), friction_basis="pull-off")
         extra = 2 * contact.pull_off_force * impact.contact_time
         whole = contact.mass * 0.4 * (1 + impact.coefficient_of_restitution)
-        assert slid.impulse_ratio == pytest.approx(0.15 * (1 + extra / whole), rel=1e-9)
+        assert slid.impulse_ratio == approx(0.15 * (1 + extra / whole), rel=1e-9)
 
     @pytest.mark.parametrize("basis", ["compressive", "net", "pull-off"])
     def test_the_path_ends_as_the_impact_and_obeys_newton(self, build, law, basis):
@@ -346,41 +317,22 @@ class TestEveryLaw:
             "spin": impact.spin,
         }
         for name, value in ends.items():
-            assert getattr(path, name)[-1] == pytest.approx(value, rel=1e-8)
-        assert path.compression.max() == pytest.approx(impact.maximum_compression, rel=1e-5)
+            assert getattr(path, name)[-1] == approx(value, rel=1e-8)
+        assert path.compression.max() == approx(impact.maximum_compression, rel=1e-5)
         pushed = np.gradient(path.velocity, path.time)[2:-2] * contact.mass
         greatest = path.normal_force.max()
         np.testing.assert_allclose(path.normal_force[2:-2] / greatest, pushed / greatest, atol=1e-4)
         lost = -np.trapezoid(path.hertz_damping_force * path.velocity, path.time)
         if isinstance(law, JKR):
             bulk = normal_impact(contact, 1.66 * math.sin(math.radians(60.0))).losses.bulk
-            assert lost == pytest.approx(bulk, rel=1e-4, abs=1e-6 * impact.energy_loss)
+            assert lost == approx(bulk, rel=1e-4, abs=1e-6 * impact.energy_loss)
 
     def test_a_captured_sphere_is_followed_to_its_second_turn(self, build, law):
         contact = build(law)
         path = trajectory(contact, 0.9 * capture_velocity(contact))
         assert path.captured
-        assert path.velocity[-1] == pytest.approx(0.0, abs=1e-6 * path.velocity.max())
+        assert path.velocity[-1] == approx(0.0, abs=1e-6 * path.velocity.max())
         assert path.compression[-1] < 0.5 * path.compression.max()
-
-    def test_a_table_over_sizes_is_integration(self, build, law):
-        contact = build(law, diameter=np.geomspace(40e-6, 80e-6, 5))
-        tolerance = 1e-4 if isinstance(law, ThorntonNing) else 1e-6
-        table = tabulate(contact, 1e-3, 20.0, tolerance)
-        speed = np.geomspace(2e-3, 19.0, 300)[:, None]
-        looked_up, integrated = table.simulate(speed, 60.0), simulate(contact, speed, 60.0)
-        assert np.array_equal(looked_up.captured, integrated.captured)
-        assert table.error <= tolerance
-        for name in ("coefficient_of_restitution", "maximum_compression", "contact_time"):
-            finite = np.isfinite(integrated.contact_time)
-            expected, found = (getattr(i, name)[finite] for i in (integrated, looked_up))
-            bound = looked_up.interpolation_error[finite] * expected
-            assert np.all(np.abs(found - expected) <= bound)
-        other = contact.replace(work_of_adhesion=0.6)
-        with pytest.raises(ValueError, match="one that the table was made for"):
-            table.normal_impact(other, 1.0)
-        with pytest.raises(ValueError, match="'pull-off' is not in a table: take 'compressive'"):
-            table.simulate(1.0, 60.0, friction_basis="pull-off")
 
     def test_what_needs_the_ring_force_says_what_to_do(self, build, law):
         contact = build(law)
@@ -391,11 +343,8 @@ class TestEveryLaw:
         said = f"contact must have the law 'ring force' here, got '{law.name}'"
         with pytest.raises(ValueError, match=said):
             normal_impact(contact, 1.0, ledger=True)
-
-
-def test_the_ring_force_has_no_friction_of_thornton_and_yin(contact):
-    with pytest.raises(ValueError, match="'pull-off' does not go with the law 'ring force'"):
-        simulate(contact, 1.0, 45.0, friction_basis="pull-off")
+        with pytest.raises(ValueError, match="'pull-off' does not go with the law 'ring force'"):
+            simulate(build("ring force"), 1.0, 45.0, friction_basis="pull-off")
 
 
 def test_parameters_of_a_law_are_arrays_too(build):
@@ -403,49 +352,37 @@ def test_parameters_of_a_law_are_arrays_too(build):
     e = normal_impact(build(JKR(viscous_time=times)), 1.0).coefficient_of_restitution
     assert build(JKR(viscous_time=times)).shape == (3,)
     assert np.all(np.diff(e) < 0.0)
-    assert e[0] == pytest.approx(normal_impact(build(JKR()), 1.0).coefficient_of_restitution)
+    assert e[0] == approx(normal_impact(build(JKR()), 1.0).coefficient_of_restitution, rel=1e-9)
 
 
-def test_without_adhesion_nothing_is_captured(build):
-    for law in (JKR(viscous_time=1e-9), ThorntonNing(yield_pressure=1e9)):
-        assert capture_velocity(build(law, work=0.0)) == 0.0
+TN = ThorntonNing(yield_pressure=1e9)
 
 
 @pytest.mark.parametrize(
-    ("law", "error", "said"),
+    ("law", "changes", "error", "message"),
     [
-        ("hertz", ValueError, "law must be one of 'ring force', 'jkr', 'thornton-ning'"),
-        ("hysteresis", ValueError, r"law=Hysteresis\(unloading_work="),
-        (3.0, TypeError, "law must be 'ring force' or one of JKR"),
+        ("hertz", {}, ValueError, "law must be one of 'ring force', 'jkr', 'thornton-ning'"),
+        ("hysteresis", {}, ValueError, r"law=Hysteresis\(unloading_work="),
+        (3.0, {}, TypeError, "law must be 'ring force' or one of JKR"),
+        *(
+            (TN, {field: value}, ValueError, f"law 'thornton-ning' does not know {field}")
+            for field, value in (
+                ("hertz_damping", 0.1),
+                ("adhesion_damping", [0.0, 1.0]),
+                ("stiffness_model", "reduced"),
+                ("damped_attachment", True),
+            )
+        ),
+        (TN, {"work": None, "ring_force": 1.0}, ValueError, "does not know ring_force"),
     ],
 )
-def test_a_law_is_a_record_or_a_name(build, law, error, said):
-    with pytest.raises(error, match=said):
-        build(law)
-
-
-def test_names_of_laws(build):
+def test_a_law_is_a_record_or_a_name_without_parameters_of_the_ring_force(
+    build, law, changes, error, message
+):
+    with pytest.raises(error, match=message):
+        build(law, **changes)
     assert build("ring force").law is None
     assert build("jkr").law.viscous_time == 0.0
-
-
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [
-        ("hertz_damping", 0.1),
-        ("adhesion_damping", [0.0, 1.0]),
-        ("stiffness_model", "reduced"),
-        ("damped_attachment", True),
-    ],
-)
-def test_what_belongs_to_the_ring_force_is_refused(build, field, value):
-    with pytest.raises(ValueError, match=f"law 'thornton-ning' does not know {field}"):
-        build(ThorntonNing(yield_pressure=1e9), **{field: value})
-
-
-def test_a_law_needs_the_work_of_adhesion(steel, silicon):
-    with pytest.raises(ValueError, match="law 'jkr' does not know ring_force"):
-        Contact(particle=steel, surface=silicon, diameter=6e-5, ring_force=1.0, law=JKR())
 
 
 @pytest.mark.parametrize("value", [-1e-9, math.nan, "1", True])

@@ -136,14 +136,6 @@ class TestNoSlip:
         impact = planar(elastic.replace(friction=1e6), -1.0, 0.1, tangential="mindlin")
         assert slip_after(elastic, impact) / 0.1 == pytest.approx(last.y[1, -1], abs=5e-5)
 
-    @every_law
-    def test_friction_above_some_bound_changes_nothing(self, elastic, law):
-        ends = [
-            float(planar(elastic.replace(friction=f), -1.0, 0.1, tangential=law).spin)
-            for f in (1e2, 1e6)
-        ]
-        assert ends[0] == pytest.approx(ends[1], rel=2e-3)
-
     @pytest.mark.parametrize("ratio", [1e-5, 1e-3, 0.1])
     def test_one_spring_while_a_slow_sphere_is_drawn_in_and_pressed(self, contact, ratio):
         """Compressive friction holds from where Hertz and ring force balance until there again."""
@@ -185,13 +177,6 @@ class TestReversal:
         assert np.sign(slip_after(elastic, impact)).tolist() == [1, 1, -1, -1, -1, -1, 1, 1]
 
     @every_law
-    def test_a_rigid_contact_never_turns(self, elastic, law):
-        slip = 7 * elastic.friction * np.linspace(0.01, 2, 50)
-        rigid = slip_after(elastic, planar(elastic, -1.0, slip))
-        assert (rigid >= -1e-12).all()
-        assert slip_after(elastic, planar(elastic, -1.0, slip, tangential=law)).min() < -0.1
-
-    @every_law
     def test_only_slip_over_friction_and_speed_matters_without_adhesion(self, elastic, law):
         slip = np.linspace(0.05, 1.2, 20)
         one, other = (
@@ -207,7 +192,7 @@ states = st.fixed_dictionaries(
         "v_t": st.floats(-5.0, 5.0),
         "omega": st.floats(-2e5, 2e5),
         "friction_basis": st.sampled_from(["compressive", "hertz"]),
-        "tangential": st.sampled_from(LAWS),
+        "tangential": st.sampled_from(("rigid", *LAWS)),
     }
 )
 
@@ -231,14 +216,6 @@ class TestAnyImpact:
         impact = planar(sticky, -speed, slip, 0.0, basis, tangential=law)
         assert np.max(np.abs(slip_after(sticky, impact)) / slip) <= 1 + 1e-12
 
-    @given(state=states)
-    def test_the_mirror_image_is_an_impact_too(self, contact, state):
-        impact = planar(contact, **state)
-        mirror = planar(contact, **state | {"v_t": -state["v_t"], "omega": -state["omega"]})
-        assert mirror.tangential_velocity == -impact.tangential_velocity
-        assert mirror.spin == -impact.spin
-        assert mirror.rolling == impact.rolling
-
     @given(state=states, angle=st.floats(0.0, 2 * math.pi))
     def test_in_three_dimensions_it_is_the_planar_one_along_the_slip(self, contact, state, angle):
         flat = planar(contact, **state)
@@ -257,21 +234,24 @@ class TestAnyImpact:
             contact.radius * np.array([-s * spin, c * spin]), abs=1e-9 * size
         )
         assert impact.spin[2] == 7.0
+        assert impact.impulse_ratio == pytest.approx(abs(flat.impulse_ratio), rel=1e-9, abs=1e-12)
+        assert impact.energy_loss == pytest.approx(flat.energy_loss, abs=1e-9 * (1 + size**2))
+        for name in ("coefficient_of_restitution", "captured", "contact_time", "rolling"):
+            assert getattr(impact, name) == getattr(flat, name)
+        mirror = planar(contact, **state | {"v_t": -state["v_t"], "omega": -state["omega"]})
+        assert (mirror.tangential_velocity, mirror.spin) == (-v_t, -spin)
 
     @every_law
-    def test_a_captured_sphere_ends_rolling(self, contact, law):
-        v_n = -0.5 * capture_velocity(contact)
-        rigid, impact = (planar(contact, v_n, 2.0, tangential=t) for t in ("rigid", law))
-        assert impact.captured
-        assert impact.rolling
-        assert impact.tangential_velocity == rigid.tangential_velocity
-
-    @every_law
-    def test_the_normal_impact_is_left_alone(self, contact, law):
+    def test_the_normal_impact_is_left_alone_and_what_is_captured_rolls(self, contact, law):
+        speed = np.array([[0.5 * float(capture_velocity(contact))], [1.66]])
         angle = np.linspace(5.0, 90.0, 9)
-        rigid, impact = (simulate(contact, 1.66, angle, tangential=t) for t in ("rigid", law))
+        rigid, impact = (simulate(contact, speed, angle, tangential=t) for t in ("rigid", law))
         for name in ("coefficient_of_restitution", "contact_time", "maximum_compression"):
             assert np.array_equal(getattr(impact, name), getattr(rigid, name))
+        stays = rigid.captured
+        assert stays[0].all()
+        assert impact.rolling[stays].all()
+        assert np.array_equal(impact.spin[stays], rigid.spin[stays])
 
     @every_law
     def test_no_field_is_nan_near_capture_nor_far_from_it(self, contact, law):
@@ -283,26 +263,30 @@ class TestAnyImpact:
             assert (np.abs(impact.impulse_ratio) < 10).all()
 
 
-class TestBadInput:
-    @pytest.mark.parametrize(
-        ("value", "error"), [("Mindlin", ValueError), ("", ValueError), (None, TypeError)]
-    )
-    def test_an_unknown_law_names_the_known_ones(self, contact, value, error):
-        said = f"^tangential must be one of 'rigid', 'mindlin', 'spring', got {value!r}$"
-        for call in (
-            lambda: simulate(contact, 1.0, 45.0, tangential=value),
-            lambda: planar(contact, -1.0, 1.0, tangential=value),
-            lambda: spatial(contact, [1.0, 0.0, -1.0], tangential=value),
-        ):
-            with pytest.raises(error, match=said):
-                call()
-
-    @every_law
-    def test_the_net_force_is_no_limit(self, contact, law):
-        with pytest.raises(ValueError, match=r"^friction_basis must be 'compressive' or 'hertz' "):
-            simulate(contact, 1.0, 45.0, friction_basis="net", tangential=law)
-
-    def test_damping_that_takes_too_many_steps_is_named(self, elastic):
-        heavy = elastic.replace(hertz_damping=1e9)
-        with pytest.raises(RuntimeError, match=r"c_H v is 1e\+09 at most, too much damping"):
-            planar(heavy, -1.0, 1e-3, tangential="mindlin")
+@pytest.mark.parametrize(
+    ("changes", "motion", "error", "message"),
+    [
+        *(
+            ({}, {"tangential": value}, error, f"^tangential must be one of .*, got {value!r}$")
+            for value, error in (("Mindlin", ValueError), (None, TypeError))
+        ),
+        *(
+            (
+                {},
+                {"tangential": law, "friction_basis": "net"},
+                ValueError,
+                r"^friction_basis must be 'compressive' or 'hertz' ",
+            )
+            for law in LAWS
+        ),
+        (
+            {"hertz_damping": 1e9},
+            {"tangential": "mindlin"},
+            RuntimeError,
+            r"c_H v is 1e\+09 at most, too much damping",
+        ),
+    ],
+)
+def test_bad_input_is_named(elastic, changes, motion, error, message):
+    with pytest.raises(error, match=message):
+        planar(elastic.replace(**changes), -1.0, 1e-3, **motion)

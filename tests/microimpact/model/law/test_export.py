@@ -135,7 +135,7 @@ def pair(scaled):
 
 
 @pytest.fixture(scope="module")
-def compiled(pair, tmp_path_factory):
+def compiled(tmp_path_factory):
     """Return the compiled loop over impacts of a pair, by basis."""
 
     def make(pair, basis="compressive"):
@@ -145,37 +145,61 @@ def compiled(pair, tmp_path_factory):
         execute(*STRICT, "-shared", "-fPIC", "loop.c", "-o", "loop.so", "-lm", cwd=folder)
         loop = ctypes.CDLL(str(folder / "loop.so")).all
         diameter = float(np.ravel(pair.diameter)[0])
-        return lambda *motion, size=diameter: rebounds(loop, size, *motion)
+
+        def run(v_n, v_t, omega, size=diameter):
+            found = [np.full(v_n.size, np.nan) for _ in range(3)]
+            outcome = np.zeros(v_n.size, np.int32)
+            arrays = np.full(v_n.size, size), v_n, v_t, omega, *found, outcome
+            loop(v_n.size, *(a.ctypes.data_as(ctypes.c_void_p) for a in arrays))
+            return *found, outcome
+
+        return run
 
     return make
 
 
-def rebounds(loop, size, v_n, v_t, omega):
-    found = [np.full(v_n.size, np.nan) for _ in range(3)]
-    outcome = np.zeros(v_n.size, np.int32)
-    arrays = np.full(v_n.size, size), v_n, v_t, omega, *found, outcome
-    loop(v_n.size, *(a.ctypes.data_as(ctypes.c_void_p) for a in arrays))
-    return *found, outcome
+BY_LAW = dict.fromkeys(("hertz_damping", "adhesion_damping", "adhesion_rate_exponent"), 0.0)
+# Changes of the contact, the range of sizes over the least one, and the basis of friction.
+KINDS = {
+    **{basis: ({}, 1.0, basis) for basis in FRICTION_BASES},
+    "sizes": ({}, 4.0, "compressive"),
+    "sizes by JKR": (BY_LAW | {"law": JKR(viscous_time=1e-10)}, 4.0, "compressive"),
+    "no adhesion": ({"work_of_adhesion": 0.0}, 1.0, "compressive"),
+    "elastic": ({"work_of_adhesion": 0.0, "hertz_damping": 0.0}, 1.0, "compressive"),
+}
 
 
 @compiled_here
-@pytest.mark.parametrize("basis", FRICTION_BASES)
-def test_the_header_is_the_package(pair, compiled, basis):
-    random = np.random.default_rng(3)
-    limit = float(capture_velocity(pair))
-    v_n = -limit * np.exp(random.uniform(np.log(0.1), np.log(FASTEST / limit), COUNT))
-    v_t = random.normal(0.0, 5.0, COUNT)
-    omega = random.normal(0.0, 5.0, COUNT) / float(pair.radius)
-    *found, outcome = compiled(pair, basis)(v_n, v_t, omega)
-    expected = planar(pair, v_n, v_t, omega, basis)
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_header_is_the_package(pair, compiled, kind):
+    changes, ratio, basis = KINDS[kind]
+    random, contact = np.random.default_rng(3), pair.replace(**changes)
+    ends = contact.diameter * np.array([1.0, ratio])
+    each = contact
+    if ratio > 1.0:
+        each = contact.replace(diameter=np.exp(random.uniform(*np.log(ends), COUNT)))
+    limit = np.asarray(capture_velocity(each))
+    unit = np.where(limit > 0.0, limit, 2.0)
+    v_n = -np.minimum(unit * np.exp(random.normal(0.5, 1.5, COUNT)), 0.99 * FASTEST)
+    near = 10.0 ** -np.arange(3.0, 13.0)
+    v_n[:20] = -(unit * np.ones(COUNT))[:20] * np.concatenate([1.0 + near, 1.0 - near])
+    v_t, spin = random.normal(0.0, 5.0, (2, COUNT))
+    omega = spin / each.radius
+    loop = compiled(contact.replace(diameter=ends) if ratio > 1.0 else contact, basis)
+    *found, outcome = loop(v_n, v_t, omega, size=each.diameter)
+    expected = planar(each, v_n, v_t, omega, basis)
     assert np.array_equal(outcome == 1, expected.captured)
-    assert 0.1 < np.mean(expected.captured) < 0.9
+    assert 0.1 < np.mean(expected.captured) < 0.9 or not np.any(limit)
     assert 0.1 < np.mean(expected.rolling) < 0.9
-    size = np.abs(v_n) + np.abs(v_t) + np.abs(omega) * pair.radius
-    names = ("normal_velocity", "tangential_velocity", "spin")
-    units = (1.0, 1.0, 1.0 / pair.radius)
-    for name, unit, value in zip(names, units, found, strict=True):
-        assert np.max(np.abs(value - getattr(expected, name)) / (unit * size)) < 1e-6, name
+    scale = np.abs(v_n) + np.abs(v_t) + np.abs(spin)
+    for name, value in zip(("normal_velocity", "tangential_velocity"), found, strict=False):
+        assert np.max(np.abs(value - getattr(expected, name)) / scale) < 2e-6, name
+    assert np.max(np.abs(found[2] - expected.spin) * each.radius / scale) < 2e-6
+    slow = np.abs(found[0] - expected.normal_velocity)[:20] / unit.max()
+    assert np.max(slow) < 2e-6
+    one = np.ones(1)
+    for wrong in (0.9 * ends.min(), 1.1 * ends.max(), np.nan):
+        assert loop(-one, one, one, size=wrong)[-1].tolist() == [-2]
 
 
 @compiled_here
@@ -200,69 +224,10 @@ def test_the_header_holds_for_two_spheres_by_the_shares_that_it_states(pair, com
 
 
 @compiled_here
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {},
-        {"hertz_damping": 0.0, "adhesion_damping": 0.0, "law": JKR(viscous_time=1e-10)},
-    ],
-)
-def test_the_header_holds_for_all_sizes_between_two(pair, compiled, changes):
-    random = np.random.default_rng(5)
-    if changes:
-        pair = pair.replace(adhesion_rate_exponent=0.0, **changes)
-    ends = np.array([4.0, 1.0]) * pair.diameter
-    size = np.exp(random.uniform(*np.log(np.sort(ends)), COUNT))
-    each = pair.replace(diameter=size)
-    v_n = -np.minimum(capture_velocity(each) * np.exp(random.normal(0.5, 1.5, COUNT)), 19.0)
-    v_t, omega = random.normal(0.0, 5.0, COUNT), random.normal(0.0, 5.0, COUNT) / size
-    loop = compiled(pair.replace(diameter=ends))
-    *found, outcome = loop(v_n, v_t, omega, size=size)
-    expected = planar(each, v_n, v_t, omega)
-    assert np.array_equal(outcome == 1, expected.captured)
-    assert 0.1 < np.mean(expected.captured) < 0.9
-    scale = np.abs(v_n) + np.abs(v_t) + np.abs(omega) * each.radius
-    for name, unit, value in zip(
-        ("normal_velocity", "tangential_velocity", "spin"),
-        (1.0, 1.0, each.radius),
-        found,
-        strict=True,
-    ):
-        assert np.max(np.abs(value - getattr(expected, name)) * unit / scale) < 2e-6, name
-    one = np.ones(1)
-    for wrong in (0.9 * ends.min(), 1.1 * ends.max(), np.nan):
-        assert loop(-one, one, one, size=wrong)[-1].tolist() == [-2]
-
-
-@compiled_here
-def test_close_to_capture(pair, compiled):
-    limit = float(capture_velocity(pair))
-    near = 10.0 ** -np.arange(3.0, 13.0)
-    v_n = -limit * np.concatenate([1.0 + near, 1.0 - near])
-    still = np.zeros_like(v_n)
-    normal, _, _, outcome = compiled(pair)(v_n, still, still)
-    assert outcome.tolist() == [0] * near.size + [1] * near.size
-    expected = planar(pair, v_n, still).normal_velocity
-    assert np.max(np.abs(normal - expected)) < 1e-6 * limit
-
-
-@compiled_here
-@pytest.mark.parametrize("changes", [{}, {"hertz_damping": 0.0}])
-def test_without_adhesion(pair, compiled, changes):
-    bare = pair.replace(work_of_adhesion=0.0, **changes)
-    v_n = -np.geomspace(1e-6, 0.99 * FASTEST, 50)
-    v_t, omega = np.ones(50), np.zeros(50)
-    *found, outcome = compiled(bare)(v_n, v_t, omega)
-    assert not outcome.any()
-    expected = planar(bare, v_n, v_t, omega)
-    assert np.max(np.abs(found[0] / expected.normal_velocity - 1.0)) < 1e-6
-    assert np.max(np.abs(found[1] - expected.tangential_velocity)) < 1e-6
-
-
-@compiled_here
-def test_what_the_table_does_not_hold_is_refused(pair, compiled):
+def test_what_the_table_does_not_hold_is_refused_whatever_the_name(pair, compiled):
+    named = pair.replace(particle=replace(pair.particle, name="α/β * (50 %), no. 7/"))
     v_n = np.array([1.0, 0.0, np.nan, -1e6, -np.inf])
-    *found, outcome = compiled(pair)(v_n, np.ones(5), np.zeros(5))
+    *found, outcome = compiled(named)(v_n, np.ones(5), np.zeros(5))
     assert outcome.tolist() == [-1] * 5
     assert np.all(np.isnan(found))
 
@@ -278,27 +243,6 @@ def test_files(pair, tmp_path, form):
     assert not [text for text in texts if re.search(r"\$[a-z]", text)]
 
 
-@pytest.mark.parametrize("form", ["c", "fluent", "openfoam"])
-def test_a_name_stays_within_its_comment(pair, tmp_path, form):
-    name = "α/β * (50 %), no. 7/"
-    named = pair.replace(particle=replace(pair.particle, name=name))
-    for path in export(named, tmp_path, form, FASTEST):
-        comment, _, code = path.read_text(encoding="utf-8").partition("*/\n")
-        assert name not in code
-        assert path.name == "example.c" or path.suffix in {".C", ""} or name in comment
-
-
-@compiled_here
-def test_a_name_with_signs_of_c_compiles(pair, compiled):
-    named = pair.replace(particle=replace(pair.particle, name="α/β * (50 %), no. 7/"))
-    assert compiled(named)(*np.array([[-1.0], [0.0], [0.0]]))[3].tolist() == [0]
-
-
-def loaded(written):
-    with np.load(written[0]) as archive:
-        return dict(archive)
-
-
 SUPPORTING = {
     "compressive": "compressive_impulse",
     "hertz": "hertz_impulse",
@@ -307,26 +251,32 @@ SUPPORTING = {
 
 
 @pytest.mark.parametrize("basis", FRICTION_BASES)
-def test_tables_are_integration(pair, tmp_path, basis):
-    table = pd.read_csv(export(pair, tmp_path, "csv", FASTEST, basis)[0], comment="#")
-    archive = loaded(export(pair, tmp_path, "npz", FASTEST, basis))
-    speed = table["normal_speed_m_per_s"].to_numpy()
+@pytest.mark.parametrize("ratio", [1.0, 5.0])
+def test_tables_are_integration(pair, tmp_path, basis, ratio):
+    contact = pair.replace(diameter=pair.diameter * np.array([1.0, ratio])) if ratio > 1 else pair
+    table = pd.read_csv(export(contact, tmp_path, "csv", FASTEST, basis)[0], comment="#")
+    with np.load(export(contact, tmp_path, "npz", FASTEST, basis)[0]) as archive:
+        for name in ("restitution", "impulse_ratio_of_sliding"):
+            assert np.array_equal(archive[name], table[name])
+    speed, each = table["normal_speed_m_per_s"].to_numpy(), pair
+    if ratio > 1:
+        each = pair.replace(diameter=table["diameter_m"].to_numpy())
+        assert table["diameter_m"].nunique() > 10
     # So fast along the surface that the sphere slides throughout.
-    slides = planar(pair, -speed, np.full_like(speed, 1e3), friction_basis=basis)
+    slides = planar(each, -speed, np.full_like(speed, 1e3), friction_basis=basis)
     error = table["error"][0]
     assert np.allclose(table["restitution"], slides.coefficient_of_restitution, rtol=0, atol=error)
     assert np.allclose(
         table["impulse_ratio_of_sliding"], slides.impulse_ratio, rtol=0, atol=pair.friction * error
     )
-    assert np.allclose(table["v_n_over_v_c"], speed / capture_velocity(pair), rtol=1e-12)
-    for name in ("restitution", "impulse_ratio_of_sliding"):
-        assert np.array_equal(archive[name], table[name])
+    assert np.allclose(table["v_n_over_v_c"], speed / capture_velocity(each), rtol=1e-9)
 
 
 @pytest.mark.parametrize("basis", FRICTION_BASES)
 def test_polynomials_of_the_archive_are_the_law_to_the_stated_error(pair, tmp_path, basis):
     """Put together by hand, of the numbers in the file alone."""
-    archive = loaded(export(pair, tmp_path, "npz", FASTEST, basis))
+    with np.load(export(pair, tmp_path, "npz", FASTEST, basis)[0]) as file:
+        archive = dict(file)
     octaves = archive["lowest"] - 1, np.log2(FASTEST / float(capture_velocity(pair)) - 1.0)
     (slowness,) = archive["slowness"]  # of a single size
     speed = (1.0 + np.exp2(np.linspace(*octaves, 4 * COUNT)))[1:] / slowness
@@ -511,43 +461,20 @@ def test_openfoams_patch_interaction_against_a_stub(pair, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("fields", "changes", "message"),
     [
-        ({"format": "fortran"}, "format"),
-        ({"friction_basis": "all"}, "friction_basis"),
-        ({"tolerance": 0.0}, "tolerance"),
-        ({"tolerance": 10.0}, r"tolerance must be finite and in \(0, 1\), got 10"),
-        ({"tolerance": 1e-15}, "tolerance 1e-15 is not reached"),
+        ({}, {"format": "fortran"}, "format"),
+        ({}, {"friction_basis": "all"}, "friction_basis"),
+        ({}, {"tolerance": 0.0}, "tolerance"),
+        ({}, {"tolerance": 10.0}, r"tolerance must be finite and in \(0, 1\), got 10"),
+        ({}, {"tolerance": 1e-15}, "no table reaches the tolerance 1e-15"),
+        ({}, {"fastest": 0.1}, "fastest must be above the capture velocity"),
+        ({"diameter": [1e-5, 2e-5]}, {"format": "lammps"}, "is of one size: export each diameter"),
+        ({"friction": [0.1, 0.2]}, {}, "must differ in diameter alone"),
+        (BY_LAW | {"law": "jkr"}, {"format": "lammps"}, "take 'lammps-jkr'"),
     ],
 )
-def test_bad_input_is_refused(pair, tmp_path, changes, message):
+def test_bad_input_is_refused(pair, tmp_path, fields, changes, message):
     with pytest.raises(ValueError, match=message):
-        export(pair, tmp_path / "none", fastest=FASTEST, **changes)
+        export(pair.replace(**fields), tmp_path / "none", **{"fastest": FASTEST} | changes)
     assert not (tmp_path / "none").exists()
-
-
-def test_contacts_that_cannot_be_one_law_are_refused(pair, tmp_path):
-    several = pair.replace(diameter=np.array([1.0, 1.1]) * pair.diameter)
-    with pytest.raises(ValueError, match="'lammps' is of one size: export each diameter"):
-        export(several, tmp_path, "lammps", FASTEST)
-    several = pair.replace(friction=np.array([0.1, 0.2]))
-    with pytest.raises(ValueError, match="must differ in diameter alone"):
-        export(several, tmp_path, fastest=FASTEST)
-    jkr = pair.replace(
-        hertz_damping=0.0, adhesion_damping=0.0, adhesion_rate_exponent=0.0, law="jkr"
-    )
-    with pytest.raises(ValueError, match="take 'lammps-jkr'"):
-        export(jkr, tmp_path, "lammps", FASTEST)
-    slow = 0.5 * float(capture_velocity(pair))
-    with pytest.raises(ValueError, match="fastest must be above the capture velocity"):
-        export(pair, tmp_path, fastest=slow)
-
-
-def test_tables_of_several_sizes_are_integration(pair, tmp_path):
-    several = pair.replace(diameter=np.array([1.0, 5.0]) * pair.diameter)
-    table = pd.read_csv(export(several, tmp_path, "csv", FASTEST)[0], comment="#")
-    each = pair.replace(diameter=table["diameter_m"].to_numpy())
-    exact = normal_impact(each, table["normal_speed_m_per_s"].to_numpy())
-    error = table["error"][0]
-    assert np.allclose(table["restitution"], exact.coefficient_of_restitution, rtol=0, atol=error)
-    assert table["diameter_m"].nunique() > 10

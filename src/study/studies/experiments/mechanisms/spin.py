@@ -23,8 +23,6 @@ from study.declared.parameters import AngleDegrees, CaseName, Finite, NonNegativ
 from study.studies.samples import Dropped, Sample, Sampling, mean_columns, setting_for
 from study.tables import Tables
 
-# Halvings of a search that are simulated together: so many impacts fill the lanes of the kernel.
-HALVINGS = 5
 # Spin sought, as a share of the speed, and range of angles in which a limit of rolling is sought.
 LARGEST_SPIN = 3.0
 LIMIT_RANGE = (35.0, 89.0)
@@ -148,7 +146,7 @@ def rolling_limit(contact: Contact, speed: float, spin: float) -> float:
         return shallow
     if not rolls(steep):
         return steep
-    return threshold(rolls, shallow, steep, absolute=1e-6, ahead=HALVINGS)
+    return threshold(rolls, shallow, steep, absolute=1e-6)
 
 
 def bias_row(params: Spin, sample: Sample) -> dict[str, Any]:
