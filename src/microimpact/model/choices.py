@@ -21,8 +21,8 @@ STIFFNESS_MODELS = ("hertz", "reduced")
 INTERVAL = (0.025, 0.5, 0.975)
 # Forms in which a rebound law is written.
 FORMATS = (
-    *("c", "csv", "npz", "fluent", "openfoam"),
+    *("c", "csv", "npz", "fluent", "openfoam", "acusolve"),
     *("lammps", "lammps-jkr", "lethe", "yade"),
 )
 # Those of a wall, which a second sphere is not.
-WALL_FORMATS = ("fluent", "openfoam", "lammps", "lammps-jkr", "lethe")
+WALL_FORMATS = ("fluent", "openfoam", "acusolve", "lammps", "lammps-jkr", "lethe")

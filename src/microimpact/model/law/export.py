@@ -194,6 +194,7 @@ def export(
         the same with a boundary condition; ``"csv"``, ``"npz"``: e and the impulses over diameter
         and speed; ``"lammps"``: the force without damping as a table of a wall, for one size;
         ``"lammps-jkr"``, ``"lethe"``, ``"yade"``: coefficients of the codes' own contacts, fitted;
+        ``"acusolve"``: a wall's table of e, for one size.
     fastest
         Fastest normal speed, m/s.
     friction_basis
@@ -234,7 +235,7 @@ def export(
         raise ValueError(f"speeds are of {', '.join(FITTED)}, got format {format!r}")
     speed = float(checked("fastest", fastest, SPEED))
     law = rebounds(contact, speed, basis, float(checked("tolerance", tolerance, TOLERANCES)))
-    if format == "lammps" and law.sizes.half_width:
+    if format in {"lammps", "acusolve"} and law.sizes.half_width:
         raise ValueError(
             f"format {format!r} is of one size: export each diameter into a separate folder"
         )
@@ -252,6 +253,8 @@ def _contents(law: Rebounds, form: str) -> dict[str, str | bytes]:
         contents["microimpact_rebound.npz"] = _archive(law)
     elif form == "lammps":
         contents["microimpact_wall.table"] = _wall_table(law)
+    elif form == "acusolve":
+        contents |= _acusolve_files(law)
     return contents | {name: _filled(name, law) for name in WORKED.get(form, ())}
 
 
@@ -444,3 +447,28 @@ def _wall_table(law: Rebounds) -> str:
         f"{head}# Units: si. Force without damping: no loss, so no capture.\n\n"
         f"CONTACT\nN {n.size}\n\n" + "\n".join(rows) + "\n"
     )
+
+
+def _acusolve_files(law: Rebounds) -> dict[str, str]:
+    """Contents by name: e over normal speed for a wall of AcuSolve, and a text on its use."""
+    columns = _sampled(law)
+    rows = np.array([columns[name] for name in ("normal_speed_m_per_s", "restitution")])
+    diameter = float(law.sizes.middle.diameter)
+    limit = float(law.unit(diameter))
+    first = [[0.0, limit], [0.0, 0.0]] if law.captures else [[0.0], [1.0]]
+    last = np.array([law.fastest * (1.0 - 1e-12)])  # the end itself is in no piece of the table
+    speed, e = np.concatenate([first, rows, [last, law(last, diameter)[0]]], axis=1)
+    within = np.concatenate([speed[:-1] + share * np.diff(speed) for share in (0.25, 0.5)])
+    misfit = np.max(np.abs(np.interp(within, speed, e) - law(within, diameter)[0]))
+    lines = [
+        *_description(law),
+        f"Between the rows e is right to {misfit:.1e}.",
+        "Two columns, normal speed in m/s and e: wall_en_curve_fit_values of",
+        "FINITE_MASS_BOUNDARY_CONDITION with wall_type = reflect, wall_en_type = piecewise_linear.",
+        "A sphere with e = 0 keeps its velocity along the wall, which has no friction.",
+    ]
+    pairs = zip(speed.tolist(), e.tolist(), strict=True)
+    return {
+        "microimpact_restitution.txt": "".join(f"{v!r} {ratio!r}\n" for v, ratio in pairs),
+        "microimpact_acusolve.txt": "\n".join(lines) + "\n",
+    }

@@ -1,9 +1,10 @@
-"""Contacts of LAMMPS, Lethe and YADE, and the coefficients fitted.
+"""Contacts of LAMMPS, Lethe and YADE, and the coefficients fitted; a table for AcuSolve.
 
 LAMMPS itself is asked in tests/peers.
 """
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.laws import BROKEN, PULL_OFF, jkr_restitution
+from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.law.codes import fitted, jkr_coefficients, lethe, yade, yades_e
 from microimpact.model.law.export import export
 
@@ -60,6 +62,15 @@ def test_without_adhesion_lethe_returns_the_restitution_put_in(contact, loss):
 def test_without_adhesion_yade_has_the_restitution_of_its_approximant(contact):
     expected = [yades_e(contact, 5e-9, speed) for speed in SPEEDS]
     assert yade(contact)(5e-9, 0.0, SPEEDS) == pytest.approx(expected, abs=5e-6)
+
+
+def test_the_wall_of_acusolve_is_right_between_its_rows(contact, tmp_path):
+    table, text = export(contact, tmp_path, "acusolve", 20.0)
+    speed, e = np.loadtxt(table).T
+    misfit = float(re.search(r"right to (\S+)\.\n", text.read_text())[1])
+    between = np.geomspace(0.5 * speed[1], 20.0, 2000)
+    off = np.interp(between, speed, e) - normal_impact(contact, between).coefficient_of_restitution
+    assert np.max(np.abs(off)) < 1.1 * misfit < 0.01
 
 
 def test_speeds_are_asked_for_where_they_are_needed(contact, tmp_path):
