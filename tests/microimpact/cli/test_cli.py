@@ -528,7 +528,7 @@ def test_a_wrong_file_of_contacts_is_refused(microimpact, tmp_path, content):
 
 def test_the_reference_verifies_itself_and_names_a_mistake(microimpact, answered, tmp_path):
     written = microimpact("reference", "-o", str(tmp_path)).stdout.splitlines()
-    assert [Path(line).exists() for line in written] == [True] * 2
+    assert [Path(line).exists() for line in written] == [True] * 3
     table = pd.read_csv(written[0])
     agreed = microimpact("verify", written[0])
     assert agreed.returncode == 0
