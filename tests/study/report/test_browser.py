@@ -11,7 +11,6 @@ ALIKE = "tbody tr:nth-child(n+13)"
 PHONE, DESK = (360, 740), (1280, 900)
 REPRESENTATIVE = (
     *("index.html", "claims.html", "equations.html", "tables.html", "figures.html", "run.html"),
-    "code/microimpact.model.contact.html",
     *("figures/fig01.html", "figures/fig06.html", "figures/ridge.html"),
 )
 pytestmark = pytest.mark.slow
@@ -55,7 +54,7 @@ def require_fit(chromium, size, page):
 
 def test_no_page_has_an_error_or_a_warning_or_is_wider_than_a_phone(show, site, chromium):
     said(chromium)
-    for path in sorted({*site.rglob("*.html")} - {*site.glob("code/*")}):
+    for path in sorted(site.rglob("*.html")):
         show(path.relative_to(site), PHONE)
         assert said(chromium) == [], path.name
         broken = chromium.execute_script(
