@@ -31,8 +31,8 @@ _few_option = click.option(
 @_few_option
 def check_command(results: Path, reference: Path, few: int) -> None:
     """Compare the tables, data and figures in RESULTS with committed references."""
-    from study.report.check.results import drawn_from, table_files
-    from study.report.check.verify import concerned, require_same_settings, verify
+    from study.report.check.results import table_files
+    from study.report.check.verify import require_same_settings, verify
     from study.report.check.wording import markdown
 
     require_same_settings(results, reference)
@@ -40,10 +40,7 @@ def check_command(results: Path, reference: Path, few: int) -> None:
     if not differences:
         click.echo(f"{results}: {len(table_files(results))} files agree with {reference}")
         return
-    figures, tables = concerned(differences, drawn_from())
-    click.echo(f"{results} differs from {reference}")
-    click.echo(f"Figures: {', '.join(figures) or 'none'}")
-    click.echo(f"Tables: {', '.join(tables) or 'none'}\n")
+    click.echo(f"{results} differs from {reference}\n")
     click.echo(markdown(differences, few))
     raise SystemExit(1)
 

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import ValidationError
 
-from microimpact.core.materials import declared_file
-from study.declared.documents import load
 from study.declared.parameters import build, explain
 from study.tables import require_whole_rows
 
@@ -145,9 +143,3 @@ def built(kind: type[T], content: Mapping[str, Any], where: str) -> T:
     except ValidationError as error:
         lines = explain(error, kind, "")
         raise ResultsError("\n".join(f"{where}: {line}" for line in lines)) from None
-
-
-def drawn_from() -> dict[str, tuple[str, ...]]:
-    """Return for every figure of the registry the tables of figure data it is drawn from."""
-    entries = load(declared_file("figures.yaml"))
-    return {name: tuple(entry["data"]) for name, entry in entries.items()}
