@@ -21,7 +21,7 @@ from study.report.check.results import (
     require_results,
     table_files,
 )
-from study.report.check.wording import by_file, cells, markdown, summary, worst
+from study.report.check.wording import FEW, by_file, cells, markdown, summary, worst
 from study.report.site.pages import render
 from study.run.stamp import STAMP
 from study.run.stamp import changes as configured
@@ -41,8 +41,8 @@ LONE: tuple[Kind, Kind] = ("missing row", "extra row")
 PREFIX = {"config": "", "printed_values": "printed."}
 # Digits of a checksum that are shown.
 SHORT = 12
-# Characters of a cell in the page, and parts of a figure that are named.
-WIDTH, FEW = 120, 5
+# Characters of a cell in the page.
+WIDTH = 120
 _ITEM = re.compile(r"\[\d+\].*")
 
 
@@ -255,13 +255,13 @@ def _versions(stamp: Mapping[str, Any]) -> dict[str, Any]:
     return flat
 
 
-def as_text(changes: Changes, few: int = 5) -> str:
+def as_text(changes: Changes) -> str:
     """Return the changes as Markdown."""
     parts = [f"# {changes.baseline} (baseline) and {changes.changed} (changed)"]
     parts += [f"{len(n)} files were not built in {root}." for root, n in changes.not_built]
     if changes.same:
         parts.append(SAME)
-    for title, differences, shown in sections(changes, few):
+    for title, differences, shown in sections(changes):
         if differences:
             parts += [f"## {title}", markdown(differences, shown, names=SIDES)]
     if changes.figures:
@@ -270,24 +270,18 @@ def as_text(changes: Changes, few: int = 5) -> str:
     return "\n\n".join(parts)
 
 
-def sections(changes: Changes, few: int) -> list[tuple[str, tuple[Difference, ...], int]]:
+def sections(changes: Changes) -> list[tuple[str, tuple[Difference, ...], int]]:
     """Return title, differences and how many are shown; inputs and verdicts are shown all."""
     return [
         ("Runs", changes.runs, len(changes.runs)),
         ("Inputs", changes.inputs, len(changes.inputs)),
         ("Verdicts", changes.verdicts, len(changes.verdicts)),
-        ("Numbers", changes.numbers, few),
+        ("Numbers", changes.numbers, FEW),
     ]
 
 
-def page(changes: Changes, few: int = 20) -> str:
-    """Return the changes as one HTML page that needs nothing else, figures side by side.
-
-    Parameters
-    ----------
-    few
-        How many differences of each kind are shown per table of numbers.
-    """
+def page(changes: Changes) -> str:
+    """Return the changes as one HTML page that needs nothing else, figures side by side."""
     return render(
         "compare.html",
         templates=Path(__file__).parent / "templates",
@@ -296,7 +290,7 @@ def page(changes: Changes, few: int = 20) -> str:
         same=SAME,
         sections=[
             (title, [(file, *_in_page(part, shown)) for file, part in by_file(members).items()])
-            for title, members, shown in sections(changes, few)
+            for title, members, shown in sections(changes)
             if members
         ],
         inline=_inline,

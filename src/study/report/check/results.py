@@ -40,8 +40,8 @@ class ResultsError(ValueError):
     """Results that cannot be compared: not there, or not of the agreed form."""
 
 
-def require_results(root: Path, *needed: str) -> None:
-    """Refuse a folder that is missing, that no run has written, or that lacks needed files.
+def require_results(root: Path) -> None:
+    """Refuse a folder that is missing or that no run has written.
 
     Raises ResultsError, naming the folder.
     """
@@ -50,8 +50,6 @@ def require_results(root: Path, *needed: str) -> None:
     if not table_files(root) and not figure_files(root):
         folders = ", ".join(f"{name}/" for name in TABLE_FOLDERS)
         raise ResultsError(f"{root}: not a results folder: no files in {folders}")
-    if missing := [name for name in needed if not (root / name).is_file()]:
-        raise ResultsError(f"{root}: has no {', '.join(missing)}: build them with `snakemake`")
 
 
 def require_current(path: Path, stamp: Mapping[str, Any]) -> None:
