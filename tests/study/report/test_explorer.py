@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from axe_core_python.selenium import Axe
 from tests.shared import ROOT
+from tests.study.report.pages import emulate, overflow, violations
 
 from microimpact.core.files import write_file
 from microimpact.core.materials import Material
@@ -68,7 +68,7 @@ def page(files, tmp_path_factory):
 @pytest.fixture
 def browser(chromium, page):
     """The page as it opens; afterwards nothing may have been reported on the console."""
-    chromium.set_window_size(1300, 1000)
+    emulate(chromium, (1300, 1000))
     visit(chromium, page.as_uri())
     yield chromium
     assert [line["message"] for line in chromium.get_log("browser")] == []
@@ -363,24 +363,10 @@ def test_a_figure_opens_it_with_its_impact(browser, page, inputs, results):
     assert text(browser, "out_vc") == f"{capture_velocity(known):#.4g} m/s"
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("size", [(1300, 1000), (390, 844)])
-def test_it_is_accessible_and_fits_the_window(browser, theme, size):
-    browser.execute_cdp_cmd(
-        "Emulation.setDeviceMetricsOverride",
-        {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size[0] < 600},
-    )
-    browser.execute_cdp_cmd(
-        "Emulation.setEmulatedMedia",
-        {"features": [{"name": "prefers-color-scheme", "value": theme}]},
-    )
-    try:
-        type_into(browser, "v", "0.21")
-        wide = browser.execute_script("return document.documentElement.scrollWidth")
-        assert wide <= size[0]
-        own = {"runOnly": ["color-contrast"]} if theme == "dark" else None
-        violations = Axe().run(browser, options=own)["violations"]
-        assert [(v["id"], [n["target"] for n in v["nodes"]]) for v in violations] == []
-    finally:
-        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+def test_it_is_accessible_and_fits_the_window(browser, scheme, size):
+    emulate(browser, size, scheme)
+    type_into(browser, "v", "0.21")
+    assert overflow(browser) == 0
+    assert violations(browser, scheme) == []
