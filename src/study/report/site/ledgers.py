@@ -38,11 +38,6 @@ CLAIM_VERDICTS = {
     "not computed": "mute",
     OF_ANOTHER: "mute",
 }
-EXTERNAL_VERDICTS = {
-    "agrees with independent data": "good",
-    "disagrees with independent data": "bad",
-    "not computed": "mute",
-}
 EQUATION_VERDICTS = {
     "correct": "good",
     "definition": "fitted",
