@@ -101,7 +101,7 @@ def site(results, record, tmp_path_factory):
 
     def make(place):
         shutil.copytree(results, place)
-        write_record(place, record)
+        write_record(place, record.plain())
         write_site(place, record)
 
     return made_once(tmp_path_factory, "site", make) / "report"

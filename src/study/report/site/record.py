@@ -86,23 +86,16 @@ def row_names(rows: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
     return names
 
 
-def from_plain(content: Mapping[str, Any], where: str = RECORD) -> Record:
-    """Return the record that `Record.plain` has written.
-
-    Raises ResultsError if a key is missing, unknown or of another kind.
-    """
-    return built(Record, content, where)
-
-
-def write_record(results: Path, record: Record) -> None:
-    """Write ``report/record.json``."""
-    text = json.dumps(record.plain(), indent=1, ensure_ascii=False, sort_keys=True)
+def write_record(results: Path, plain: Mapping[str, Any]) -> None:
+    """Write ``report/record.json``, see `Record.plain`."""
+    text = json.dumps(plain, indent=1, ensure_ascii=False, sort_keys=True)
     write_file(results / RECORD, text + "\n")
 
 
 def read_record(results: Path) -> Record:
     """Return the record of a run.
 
-    Raises ResultsError if the folder has none, or a malformed one.
+    Raises ResultsError if the folder has none, or one with a key that is missing, unknown or of
+    another kind.
     """
-    return from_plain(read_json(results / RECORD), str(results / RECORD))
+    return built(Record, read_json(results / RECORD), str(results / RECORD))
