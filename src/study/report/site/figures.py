@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from urllib.parse import urlencode
 
@@ -145,6 +146,7 @@ def _marks(paths: Iterable[Path]) -> dict[str, tuple[str, ...]]:
     return {evidence: tuple(names) for evidence, names in marks.items()}
 
 
+@cache
 def upstream(study: str) -> tuple[str, ...]:
     """Return the studies whose tables a study rests on, the nearest first."""
     chain = [study]
