@@ -107,7 +107,6 @@ def test_printed_restitution_is_not_drawn_of_another_particle(run, settings):
             r"^rolling_dissipation.angles_deg\[1\]: 90.0 must be .* 90$",
         ),
         ("rolling_dissipation", {"angles_deg": [45.0, 30.0]}, "must ascend"),
-        ("capture_velocities", {"largest_diameter_um": 0.5}, "must be above smallest_diameter_um"),
         ("capture_velocities", {"pairs": {"nothing": {}}}, "'nothing' is not declared in cases"),
     ],
 )

@@ -10,6 +10,7 @@ from pathlib import Path
 from urllib.parse import urlencode
 
 from study import studies
+from study.figures.registry import CURVES
 from study.ledgers.claims.words import in_words
 from study.report.site.ledgers import Row, read_rows
 from study.report.site.record import Record
@@ -122,7 +123,7 @@ def figures(
             values=tuple(joined(_branch(study, declared))),
             rows=_rows(record.rows.get(study, {}), declared),
             upstream=upstream(study),
-            drawing=f"{entry['module']}.{entry.get('function', 'draw')}",
+            drawing=f"{entry.get('module', CURVES)}.{entry.get('function', 'draw')}",
             analysis=f"{studies.homes()[study]}.run",
             explorer=explored(study, declared),
             departures=departures(declared, [study]),
@@ -130,7 +131,7 @@ def figures(
                 row for row in ledgers["equations"] if row["equation"] in entry.get("equations", ())
             ),
             claims=tuple(row for row in ledgers["claims"] if name in row["figures"].split()),
-            is_narrow=entry.get("width", "single") == "single",
+            is_narrow=entry.get("width") == "single",
         )
 
     return [figure(n) for n in sorted(there, key=lambda n: (not ARTICLE.fullmatch(n), n))]
