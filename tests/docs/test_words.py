@@ -10,68 +10,44 @@ import pytest
 from tests.docs.blocks import ROOT
 from tests.shared import execute
 
-# American spelling, and everyday words in place of technical terms; names of libraries' own
-# parameters and options are not among them.
-FORBIDDEN = re.compile(
-    r"analyz(?!e\.sobol|e$)\w*(?<!analyze)|digitiz\w*|behavior\w*|favor\w*|modeling|labeled"
-    r"|travel(?:ed|ing)|aluminum|sulfur|droplet\w*|doomed|hopeless\w*|\bmended\b"
-    r"|(?<!de)couples?\b|film run",
-    re.IGNORECASE,
-)
-# In words alone: in code these belong to other programs.
-IN_PROSE = re.compile(r"\b(?:colors?|centers?|per cent|neighbors?)\b", re.IGNORECASE)
-# Words and syntax at which a native reader of English stumbles.
-UNIDIOMATIC = re.compile(
-    r"\badmit(?:s|ted)?\b|\banew\b|\bof (?:its|their|your|one's) own\b|\btold\b|\bhanded\b"
-    r"|\bstands? beside\b|\bWho (?:changes|wants|needs|uses|breaks|starts)\b"
-)
-# This file lists what is forbidden; a library has an American name.
+# Libraries have American names; this file lists what is forbidden.
 EXEMPT = {"tests/docs/test_words.py", "tests/study/studies/test_sensitivity.py"}
-KINDS = {".py", ".md", ".yaml", ".smk", ".html", ".js", ".rst", ".jinja", ".toml"}
+CODE = {".py", ".yaml", ".smk", ".js", ".toml"}
+PAGES = {".md", ".rst", ".jinja", ".html"}
+# Pattern of what is not written, and the kinds of files in which.
+RULES = {
+    "American spelling": (
+        r"(?i)analyz(?!e\.sobol|e$)\w*(?<!analyze)|digitiz|behavior|favor|modeling|labeled|aluminum",
+        CODE | PAGES,
+    ),
+    "American spelling, in code a name of other programs": (
+        r"(?i)\b(?:colors?|centers?|neighbors?)\b",
+        PAGES - {".html"},
+    ),
+    "no idiom of English": (
+        r"\badmit(?:s|ted)?\b|\banew\b|\bof (?:its|their|your|one's) own\b|\btold\b|\bhanded\b",
+        PAGES,
+    ),
+}
 
 
-def written():
-    listed = execute("git", "ls-files", cwd=ROOT, check=False)
-    paths = (ROOT / name for name in listed.stdout.splitlines())
-    return [
-        path
-        for path in paths
-        if path.suffix in KINDS
-        and path.is_file()
-        and str(path.relative_to(ROOT)) not in EXEMPT
-        and "tests/reference" not in str(path)
-    ]
+def written(kinds):
+    listed = execute("git", "ls-files", cwd=ROOT, check=False).stdout.splitlines()
+    names = [n for n in listed if n not in EXEMPT and not n.startswith("tests/reference")]
+    return [ROOT / n for n in names if (ROOT / n).suffix in kinds and (ROOT / n).is_file()]
 
 
-def found(rule, paths):
-    return [
+@pytest.mark.parametrize(("pattern", "kinds"), RULES.values(), ids=RULES)
+def test_words(pattern, kinds):
+    paths = written(kinds)
+    if not paths:
+        pytest.skip("no git checkout")
+    assert not [
         f"{path.relative_to(ROOT)}:{number}: {match[0]}"
         for path in paths
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
-        for match in rule.finditer(line)
+        for match in re.finditer(pattern, line)
     ]
-
-
-def test_no_file_has_a_forbidden_word():
-    paths = written()
-    if not paths:
-        pytest.skip("no git checkout")
-    assert not found(FORBIDDEN, paths)
-
-
-def test_pages_are_in_british_spelling():
-    pages = [path for path in written() if path.suffix in {".md", ".rst", ".jinja"}]
-    assert not found(IN_PROSE, pages)
-
-
-def test_prose_is_idiomatic():
-    prose = {"config/figures.yaml", "config/claims.yaml"}
-    paths = [
-        path
-        for path in written()
-        if path.suffix in {".md", ".rst", ".jinja", ".html"} or str(path.relative_to(ROOT)) in prose
-    ]
-    assert not found(UNIDIOMATIC, paths)
 
 
 # A variable is a noun for its content, and a first line names a quantity or an action.

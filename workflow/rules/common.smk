@@ -169,29 +169,6 @@ def relative(path):
     return Path(path).relative_to(RESULTS).as_posix()
 
 
-def recorded_rules():
-    """Return the rules of tables and the figures, as the report shows them."""
-    files = {*results("tables/", "data/")}
-    makers = [each for each in result_rules() if {*map(str, each.output)} <= files]
-    return [
-        site_record.Rule(
-            name=each.name,
-            purpose=" ".join((each.docstring or "").split()),
-            inputs=tuple(relative(path) for path in each.input if str(path) in files),
-            outputs=tuple(map(relative, each.output)),
-            declared=site_record.row_names(each.params.rows),
-        )
-        for each in makers
-    ] + [
-        site_record.Rule(
-            name=figure,
-            inputs=tuple(f"data/{table}.csv" for table in spec.data),
-            outputs=tuple(f"figures/{figure}.{kind}" for kind in FORMATS),
-        )
-        for figure, spec in FIGURES.items()
-    ]
-
-
 def outdated():
     """Return the results in the results folder that were made from other inputs than the present."""
     digests = {

@@ -26,7 +26,7 @@ rule explorer:
 # The pages of single figures and the copies of results stand beside these. They are not listed:
 # Snakemake keeps all parameters of a job once more for each of its outputs.
 rule report:
-    """report/index.html and all pages it leads to: figures, ledgers, tables, workflow, run."""
+    """report/index.html and all pages it leads to: figures, ledgers, tables, run."""
     input:
         lambda wildcards: results("tables/", "data/", "figures/"),
         # The pages link to it.
@@ -43,10 +43,10 @@ rule report:
             config=config,
             shipped=SHIPPED,
             figures=FIGURE_ENTRIES,
-            rules=recorded_rules(),
+            rows=INPUTS.rows,
             project=PROJECT,
         ).plain(),
-        # The code of the studies is read, too.
+        # What each study needs is read, too.
         code=digest_of_code(*studies.homes().values(), script="write_report.py", files=PAGES),
     script:
         "../scripts/write_report.py"

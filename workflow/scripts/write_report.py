@@ -6,7 +6,7 @@ from typing import Any
 from job import run
 
 from study.report.site.build import REPORT, write_site
-from study.report.site.record import from_plain, write_record
+from study.report.site.record import read_record, write_record
 
 
 def main(job: Any) -> str:
@@ -15,9 +15,8 @@ def main(job: Any) -> str:
     The rule gives the record as ``params.record`` and ``record.json`` in the report as an output.
     """
     results = Path(job.output.record).parents[1]
-    record = from_plain(job.params.record, "params.record")
-    write_record(results, record)
-    pages = write_site(results, record)
+    write_record(results, job.params.record)
+    pages = write_site(results, read_record(results))
     return f"{job.rule}: {len(pages)} pages in {results / REPORT}\n"
 
 

@@ -42,7 +42,6 @@ from study.report.site.ledgers import read_rows
 from study.run.stamp import STAMP, git_state
 
 METADATA = "ro-crate-metadata.json"
-README = "README.md"
 COPIES = "crate"
 WORKFLOW = "Snakefile"
 CONFIGURATION = ("config/config.yaml", "config/laboratory.yaml", "config/analyses")
@@ -52,11 +51,10 @@ RESULTS = (*TABLE_FOLDERS, "figures")
 # Not results: what the engine and the jobs tell of the run.
 TRACES = ("benchmarks", "checksums", "logs")
 
-WORKFLOW_CRATE = "https://w3id.org/workflowhub/workflow-ro-crate/1.0"
 PROFILES = {
     "https://w3id.org/ro/wfrun/process/0.5": ("Process Run Crate", "0.5"),
     "https://w3id.org/ro/wfrun/workflow/0.5": ("Workflow Run Crate", "0.5"),
-    WORKFLOW_CRATE: ("Workflow RO-Crate", "1.0"),
+    "https://w3id.org/workflowhub/workflow-ro-crate/1.0": ("Workflow RO-Crate", "1.0"),
 }
 RUN_TERMS = "https://w3id.org/ro/terms/workflow-run/context"
 
@@ -64,14 +62,10 @@ FORMATS = {
     ".csv": "text/csv",
     ".gz": "application/gzip",
     ".json": "application/json",
-    ".log": "text/plain",
     ".md": "text/markdown",
     ".pdf": "application/pdf",
     ".png": "image/png",
     ".py": "text/x-python",
-    ".rst": "text/x-rst",
-    ".sha256": "text/plain",
-    ".smk": "text/plain",
     ".svg": "image/svg+xml",
     ".tsv": "text/tab-separated-values",
     ".yaml": "application/yaml",
@@ -114,7 +108,7 @@ def write_crate(results: Path, project: Path) -> Path:
         If results are not as the run wrote them.
     """
     require_results(results)
-    require_unaltered(results, _files(results, RESULTS))
+    require_unaltered(results, [results / name for name in _files(results, RESULTS)])
     run = read_run(results / STAMP)
     _require_same_project(run, project, results)
     inputs = declared_inputs(run.config, project)
@@ -124,16 +118,27 @@ def write_crate(results: Path, project: Path) -> Path:
 
     crate = ROCrate(version="1.1")
     crate.metadata.extra_contexts.append(RUN_TERMS)
-    workflow = _add_workflow(crate, run, project)
-    consumed = [_add_copy(crate, project, path) for path in inputs]
-    produced = _add_files(crate, results, RESULTS)
-    action = _add_run(crate, run, workflow, consumed, produced)
-    reviews = _add_reviews(crate, results)
-    for trace in (_add_file(crate, results, STAMP), *_add_files(crate, results, TRACES)):
-        trace["about"] = action
-    if (results / README).is_file():
-        _add_file(crate, results, README)["about"] = crate.root_dataset
-    _describe_root(crate, run, project, [action, *reviews])
+    action = _add_entity(
+        crate,
+        f"#run-{run.identifier}",
+        "CreateAction",
+        name="Run of the microimpact study",
+        description=(
+            f"snakemake, project at {run.commit}. {STAMP} holds the merged configuration, "
+            "with all that was changed by --configfile and --config."
+        ),
+        instrument=_add_workflow(crate, run, project),
+        object=[_add_copy(crate, project, name) for name in inputs],
+        result=[_add_file(crate, results, name) for name in _files(results, RESULTS)],
+        startTime=run.started.isoformat(),
+        endTime=run.ended.isoformat(),
+        actionStatus="http://schema.org/CompletedActionStatus",
+    )
+    for name in (STAMP, *_files(results, TRACES)):
+        _add_file(crate, results, name)["about"] = action
+    if (results / "README.md").is_file():
+        _add_file(crate, results, "README.md")["about"] = crate.root_dataset
+    _describe_root(crate, run, project, [action, *_add_reviews(crate, results)])
     for entity in crate.data_entities:
         entity.write(results)
     text = json.dumps(crate.metadata.generate(), indent=4, sort_keys=True, ensure_ascii=False)
@@ -169,7 +174,7 @@ def _require_same_project(run: Run, project: Path, results: Path) -> None:
         )
 
 
-def declared_inputs(config: Mapping[str, Any], project: Path) -> list[Path]:
+def declared_inputs(config: Mapping[str, Any], project: Path) -> list[str]:
     """Return the declared input files of a run, relative to the project, sorted.
 
     These are the default configuration and the files that the merged one names at its top level; of
@@ -186,7 +191,7 @@ def declared_inputs(config: Mapping[str, Any], project: Path) -> list[Path]:
         if not path.exists() or not path.is_relative_to(root):
             raise ResultsError(f"{key}: {name!r} must be a file or folder in {project}")
         paths.update(chain(path.glob("*.csv"), path.glob("*.yaml")) if path.is_dir() else [path])
-    return sorted(path.relative_to(root) for path in paths)
+    return sorted(path.relative_to(root).as_posix() for path in paths)
 
 
 def _add_workflow(crate: Any, run: Run, project: Path) -> Any:
@@ -204,65 +209,44 @@ def _add_workflow(crate: Any, run: Run, project: Path) -> Any:
             "encodingFormat": "text/plain",
         },
     )
-    if version := run.packages.get("microimpact"):
-        workflow["version"] = version
-    paths = sorted(chain(*((project / "workflow").glob(part) for part in WORKFLOW_PARTS)))
-    parts = [_add_copy(crate, project, path.relative_to(project)) for path in paths]
-    if parts:
-        workflow["hasPart"] = parts
     # By name and version, as in the lock files; where it is fetched from is the user's affair.
-    software = [(name, version) for name, version in sorted(run.packages.items()) if version]
+    software = {name: version for name, version in sorted(run.packages.items()) if version}
+    if "microimpact" in software:
+        workflow["version"] = software["microimpact"]
+    paths = sorted(chain(*((project / "workflow").glob(part) for part in WORKFLOW_PARTS)))
+    workflow["hasPart"] = [
+        _add_copy(crate, project, path.relative_to(project).as_posix()) for path in paths
+    ]
     workflow["softwareRequirements"] = [
-        _add_context(
-            crate,
-            f"#{name}-{version}",
-            {"@type": "SoftwareApplication", "name": name, "softwareVersion": version},
+        _add_entity(
+            crate, f"#{name}-{version}", "SoftwareApplication", name=name, softwareVersion=version
         )
-        for name, version in software
+        for name, version in software.items()
     ]
     return workflow
 
 
-def _add_run(
-    crate: Any, run: Run, workflow: Any, consumed: Iterable[Any], produced: Iterable[Any]
-) -> Any:
-    return _add_context(
-        crate,
-        f"#run-{run.identifier}",
-        {
-            "@type": "CreateAction",
-            "name": "Run of the microimpact study",
-            "description": (
-                f"snakemake, project at {run.commit}. {STAMP} holds the merged configuration, "
-                "with all that was changed by --configfile and --config."
-            ),
-            "instrument": workflow,
-            "object": list(consumed),
-            "result": list(produced),
-            "startTime": run.started.isoformat(),
-            "endTime": run.ended.isoformat(),
-            "actionStatus": "http://schema.org/CompletedActionStatus",
-        },
-    )
-
-
 def _add_reviews(crate: Any, results: Path) -> list[Any]:
     """Add a review of each claim, with its verdict as the rating."""
-    reviews, ratings = [], {}
-    for row in read_rows(results / CLAIMS):
-        verdict = row["verdict"]
-        if verdict not in ratings:
-            properties = {"@type": "Rating", "alternateName": verdict}
-            ratings[verdict] = _add_context(crate, f"#{verdict.replace(' ', '-')}", properties)
-        review = {
-            "@type": "ClaimReview",
-            "name": row["id"],
-            "claimReviewed": row["statement"],
-            "reviewRating": ratings[verdict],
-            "isBasedOn": {"@id": CLAIMS},
-        }
-        reviews.append(_add_context(crate, f"#{row['id']}", review))
-    return reviews
+    rows = read_rows(results / CLAIMS)
+    ratings = {
+        verdict: _add_entity(
+            crate, f"#{verdict.replace(' ', '-')}", "Rating", alternateName=verdict
+        )
+        for verdict in dict.fromkeys(row["verdict"] for row in rows)
+    }
+    return [
+        _add_entity(
+            crate,
+            f"#{row['id']}",
+            "ClaimReview",
+            name=row["id"],
+            claimReviewed=row["statement"],
+            reviewRating=ratings[row["verdict"]],
+            isBasedOn={"@id": CLAIMS},
+        )
+        for row in rows
+    ]
 
 
 def _describe_root(crate: Any, run: Run, project: Path, mentioned: list[Any]) -> None:
@@ -271,46 +255,40 @@ def _describe_root(crate: Any, run: Run, project: Path, mentioned: list[Any]) ->
     crate.name = "Results of the microimpact study"
     crate.description = about["Summary"]
     crate.datePublished = run.ended.isoformat()
-    crate.license = _add_context(
+    crate.license = _add_entity(
         crate,
         f"https://spdx.org/licenses/{licence}",
-        {
-            "@type": "CreativeWork",
-            "name": (project / "LICENSE").read_text(encoding="utf-8").splitlines()[0],
-            "description": f"Full text in {COPIES}/LICENSE.",
-            "identifier": licence,
-        },
+        "CreativeWork",
+        name=(project / "LICENSE").read_text(encoding="utf-8").splitlines()[0],
+        description=f"Full text in {COPIES}/LICENSE.",
+        identifier=licence,
     )
-    _add_copy(crate, project, Path("LICENSE"))["encodingFormat"] = "text/plain"
+    _add_copy(crate, project, "LICENSE")
     crate.root_dataset["mentions"] = mentioned
     crate.root_dataset["conformsTo"] = [
-        _add_context(crate, uri, {"@type": "CreativeWork", "name": name, "version": version})
+        _add_entity(crate, uri, "CreativeWork", name=name, version=version)
         for uri, (name, version) in PROFILES.items()
     ]
 
 
-def _add_files(crate: Any, root: Path, folders: Iterable[str]) -> list[Any]:
-    return [
-        _add_file(crate, root, path.relative_to(root).as_posix()) for path in _files(root, folders)
-    ]
-
-
-def _files(root: Path, folders: Iterable[str]) -> list[Path]:
+def _files(root: Path, folders: Iterable[str]) -> list[str]:
+    """Return the files below folders of a root, relative to it."""
     paths = sorted(path for folder in folders for path in (root / folder).rglob("*"))
-    return [path for path in paths if path.is_file() and not path.name.startswith(".")]
+    visible = (path for path in paths if path.is_file() and not path.name.startswith("."))
+    return [path.relative_to(root).as_posix() for path in visible]
 
 
 def _add_file(crate: Any, root: Path, name: str, copy_to: str = "") -> Any:
-    suffix = Path(name).suffix
-    properties = {"name": name, "encodingFormat": FORMATS.get(suffix, "application/octet-stream")}
+    kind = FORMATS.get(Path(name).suffix, "text/plain")
+    properties = {"name": name, "encodingFormat": kind}
     return crate.add_file(root / name, f"{copy_to}{name}", properties=properties)
 
 
-def _add_copy(crate: Any, project: Path, path: Path) -> Any:
-    file = _add_file(crate, project, path.as_posix(), f"{COPIES}/")
-    file["alternateName"] = path.as_posix()
+def _add_copy(crate: Any, project: Path, name: str) -> Any:
+    file = _add_file(crate, project, name, f"{COPIES}/")
+    file["alternateName"] = name
     return file
 
 
-def _add_context(crate: Any, identifier: str, properties: Mapping[str, Any]) -> Any:
-    return crate.add(ContextEntity(crate, identifier, properties=dict(properties)))
+def _add_entity(crate: Any, name_in_crate: str, kind: str, /, **properties: Any) -> Any:
+    return crate.add(ContextEntity(crate, name_in_crate, properties={"@type": kind, **properties}))

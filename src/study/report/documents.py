@@ -7,7 +7,9 @@ claims.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +21,10 @@ import yaml
 from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
 from study.declared.documents import load
-from study.ledgers.claims.criteria import CLAIM_NAME, UNCOUNTED, read_claims
+from study.ledgers.claims.criteria import CLAIM_NAME, read_claims
 from study.ledgers.claims.words import agreement, drawn_share, quantities, readable, with_unit
 from study.report.site.figures import label
-from study.report.site.ledgers import by_claim, read_rows
+from study.report.site.ledgers import Row, by_claim, counted, read_rows
 from study.report.site.pages import render
 from study.report.site.record import read_record
 
@@ -181,28 +183,25 @@ def deviations(results: Path, criteria: Path) -> str:
     ValueError
         If the table and the file do not hold the same claims.
     """
-    tables = results / "tables"
-    claims, equations = (
-        pd.read_csv(tables / f"{name}.csv", keep_default_na=False) for name in LEDGERS[:2]
-    )
-    parts = (by_claim(read_rows(tables / f"{name}.csv")) for name in LEDGERS[2:])
-    evidence, numbers, shares = parts
+    tables = {name: read_rows(results / f"tables/{name}.csv") for name in LEDGERS}
+    equations = tables["equations"]
     # Rows after the claims are about digitised points of the user's own.
-    claims = claims[claims["id"].str.match(CLAIM_NAME)]
+    claims = [row for row in tables["claims"] if re.match(CLAIM_NAME, row["id"])]
+    parts = (by_claim(tables[name]) for name in LEDGERS[2:])
+    evidence, numbers, shares = parts
     declared = read_claims(criteria)
-    strangers = set(claims["id"]) ^ set(declared)
-    if strangers:
+    if strangers := {row["id"] for row in claims} ^ set(declared):
         raise ValueError(
-            f"{tables / 'claims.csv'} and {criteria} do not hold the same claims:"
+            f"{results / 'tables/claims.csv'} and {criteria} do not hold the same claims:"
             f" {', '.join(sorted(strangers))} in one of them only; run the study again"
         )
     page = render(
         f"{DEVIATIONS}{SUFFIX}",
         templates=Path(__file__).parent,
-        equation_counts=equations["verdict"].value_counts().to_dict(),
-        claim_counts=verdict_counts(claims),
-        equations=equations.to_dict("records"),
-        claims=claims.to_dict("records"),
+        equation_counts=verdict_counts(equations),
+        claim_counts=verdict_counts(counted(claims)),
+        equations=equations,
+        claims=claims,
         declared=declared,
         amended=[claim for claim in declared.values() if claim.amendments],
         evidence=evidence,
@@ -217,10 +216,9 @@ def deviations(results: Path, criteria: Path) -> str:
     return page.rstrip() + "\n"
 
 
-def verdict_counts(claims: pd.DataFrame) -> dict[str, int]:
-    """Return how many claims got each verdict; identities and own findings are not counted."""
-    counted = claims[~claims["kind"].isin(UNCOUNTED)]
-    return {str(name): int(count) for name, count in counted["verdict"].value_counts().items()}
+def verdict_counts(rows: Sequence[Row]) -> dict[str, int]:
+    """Return how many rows of a ledger got each verdict, the most frequent first."""
+    return dict(Counter(row["verdict"] for row in rows).most_common())
 
 
 def renew(results: Path, docs: Path, criteria: Path, kept: Path) -> list[Path]:

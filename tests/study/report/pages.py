@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from html.parser import HTMLParser
+from importlib.resources import files
 
 # Elements that are not closed.
 VOID = {"br", "hr", "img", "input", "link", "meta"}
@@ -35,3 +36,31 @@ class Page(HTMLParser):
 
     def handle_data(self, data):
         self.text.append(data)
+
+
+def emulate(chromium, size, scheme="light"):
+    """Give the browser's window a size, below 600 a phone's, and a scheme of colours."""
+    width, height = size
+    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    scheme = [{"name": "prefers-color-scheme", "value": scheme}]
+    chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": scheme})
+
+
+def overflow(chromium):
+    """Pixels by which a page is wider than its window."""
+    script = "return document.documentElement.scrollWidth - window.innerWidth"
+    return max(chromium.execute_script(script), 0)
+
+
+def violations(chromium, scheme="light", left_out="none"):
+    """Serious barriers to access that axe finds outside of some elements; in the dark, colours."""
+    chromium.execute_script(files("axe_core_python").joinpath("axe.min.js").read_text("utf-8"))
+    return chromium.execute_async_script(
+        "const done = arguments[2];"
+        "axe.run({exclude: [[arguments[0]]]}, {resultTypes: ['violations'], ...arguments[1]})"
+        ".then(r => done(r.violations.filter(v => ['serious', 'critical'].includes(v.impact))"
+        ".map(v => [v.id, v.nodes.length, v.nodes[0].html.slice(0, 200)])));",
+        left_out,
+        {"runOnly": ["color-contrast"]} if scheme == "dark" else {},
+    )

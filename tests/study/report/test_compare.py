@@ -9,7 +9,6 @@ import pytest
 from tests.study.report.pages import Page
 from tests.study.report.results_roots import CLAIMS, INPUTS, draw, edit, results, run
 
-from microimpact.core.files import write_checksums
 from study.report.check.compare import as_text, compare, page
 
 
@@ -100,34 +99,6 @@ def test_changed_and_added_files_are_named(baseline, tmp_path):
         ("figures.yaml", "SHA-256", "b" * 12, "a" * 12),
         ("digitised/fig04.csv", "SHA-256", "", "c" * 12),
     ]
-
-
-def test_series_are_matched_by_name(baseline, tmp_path):
-    def data(*series):
-        rows = "".join(f"a,{name},computed,{x},{y},,\n" for name, y in series for x in (1, 2))
-        return "panel,series,evidence,x_m_per_s,y_1,y_low,y_high\n" + rows
-
-    other = results(tmp_path / "b")
-    (baseline / "data/fig14.csv").write_text(data(("f = 0.1", 0.1), ("f = 0.2", 0.2)))
-    (other / "data/fig14.csv").write_text(data(("f = 0.2", 0.2), ("f = 0.3", 0.3)))
-    assert [(d.kind, d.row, d.reference, d.result) for d in compare(baseline, other).numbers] == [
-        ("missing row", "f = 0.1", "2 points", ""),
-        ("extra row", "f = 0.3", "", "2 points"),
-    ]
-
-
-def test_figures_that_rest_on_a_changed_input_come_first(baseline, tmp_path):
-    other = results(tmp_path / "b", slope=0.5)
-    for root, slope in ((baseline, 0.2), (other, 0.4)):
-        for name, rests_on in (("fig04", "the same"), ("fig17", f"slope {slope}")):
-            draw(root, name, slope)
-            write_checksums(root, [root / f"figures/{name}.svg"], rests_on)
-        configured(root, restitution_fits={"points": slope})
-    changes = compare(baseline, other)
-    assert changes.resting == ("fig17",)
-    assert [figure.name for figure in changes.figures] == ["fig17", "fig04", "fig14"]
-    text = as_text(changes)
-    assert text.index("Figures that rest on them: fig17.") < text.index("## Numbers")
 
 
 def test_a_run_without_some_files_is_told_in_one_line_and_is_the_same(baseline, tmp_path):

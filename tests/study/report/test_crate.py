@@ -12,35 +12,30 @@ from tests.shared import ROOT, execute
 from tests.study.report.results_roots import results, write
 
 from study.report.check.results import ResultsError
-from study.report.crate import declared_inputs, write_crate
+from study.report.crate import PROFILES, declared_inputs, write_crate
 
-DATE = "2026-01-02T03:04:05+00:00"
 STAMP = {
     "started": "2026-01-02T02:00:00+00:00",
-    "ended": DATE,
+    "ended": "2026-01-02T03:04:05+00:00",
     "git": {"commit": None, "dirty": None},
     "packages": {"microimpact": "0.1.0", "numpy": "2.4.6", "snakemake": "9.27.1", "absent": None},
     "config": {"materials": "config/materials.csv", "digitised": "config/digitised", "seed": 1},
 }
+INPUTS = {
+    "config/analyses/models.yaml": "fig: {}\n",
+    "config/config.yaml": "seed: 1\n",
+    "config/digitised/fig14.csv": "x,y\n1,2\n",
+    "config/laboratory.yaml": "particles: {}\n",
+    "config/materials.csv": "material\nsteel\n",
+}
+PARTS = {"workflow/rules/a.smk": "", "workflow/scripts/run_study.py": ""}
 PROJECT = {
     "Snakefile": 'include: "workflow/rules/a.smk"\n',
     "LICENSE": "MIT License\n\nCopyright\n",
-    "config/config.yaml": "seed: 1\n",
-    "config/laboratory.yaml": "particles: {}\n",
-    "config/analyses/models.yaml": "fig: {}\n",
     "config/unused.yaml": "seed: 2\n",
-    "config/materials.csv": "material\nsteel\n",
-    "config/digitised/fig14.csv": "x,y\n1,2\n",
     "config/digitised/README.md": "points\n",
-    "workflow/rules/a.smk": "",
-    "workflow/scripts/run_study.py": "",
-}
-RO_CRATE = "https://w3id.org/ro/crate/1.1"
-WORKFLOW = "https://w3id.org/workflowhub/workflow-ro-crate/1.0"
-PROFILES = {
-    "https://w3id.org/ro/wfrun/process/0.5",
-    "https://w3id.org/ro/wfrun/workflow/0.5",
-    WORKFLOW,
+    **INPUTS,
+    **PARTS,
 }
 
 
@@ -62,77 +57,54 @@ def references(node):
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """Folder of a crate, and its entities."""
+def root(tmp_path_factory):
+    """The folder of a crate."""
     folder = tmp_path_factory.mktemp("crate")
-    path = write_crate(finished(folder / "results"), write(folder / "project", PROJECT))
-    assert path == folder / "results/ro-crate-metadata.json"
-    return path.parent, json.loads(path.read_text(encoding="utf-8"))["@graph"]
+    return write_crate(finished(folder / "results"), write(folder / "project", PROJECT)).parent
 
 
-@pytest.fixture
-def root(made):
-    return made[0]
+@pytest.fixture(scope="module")
+def entities(root):
+    listed = json.loads((root / "ro-crate-metadata.json").read_text(encoding="utf-8"))["@graph"]
+    by_id = {entity["@id"]: entity for entity in listed}
+    assert len(by_id) == len(listed)
+    return by_id
 
 
-@pytest.fixture
-def entities(made):
-    return {entity["@id"]: entity for entity in made[1]}
-
-
-@pytest.fixture
-def action(entities):
-    (entity,) = (entity for entity in entities.values() if entity["@type"] == "CreateAction")
-    return entity
-
-
-def test_the_crate_names_its_profiles_and_is_read_back(root, entities):
-    assert set(ids(entities["./"]["conformsTo"])) == PROFILES
-    assert entities[entities["./"]["license"]["@id"]]["name"] == "MIT License"
+def test_the_crate_is_read_back_and_every_file_and_reference_is_there(root, entities):
+    main = entities["./"]
+    assert set(ids(main["conformsTo"])) == set(PROFILES)
+    assert entities[main["license"]["@id"]]["name"] == "MIT License"
     crate = ROCrate(root)
     assert (crate.version, crate.mainEntity.lang.name) == ("1.1", "Snakemake")
-
-
-def test_ro_crate_ids_are_unique_and_every_reference_leads_to_an_entity(made, entities):
-    assert len(entities) == len(made[1])
+    files = {name for name, entity in entities.items() if "File" in entity["@type"]}
+    assert files == set(ids(main["hasPart"]))
+    assert all((root / unquote(name)).is_file() for name in files)
     # Vocabulary of others: named by URI, not described here.
-    outer = {RO_CRATE, *ids(entities["ro-crate-metadata.json"]["conformsTo"])}
     language = entities["https://w3id.org/workflowhub/workflow-ro-crate#snakemake"]
-    outer |= set(references([language["url"], language["identifier"]]))
-    named = {name for entity in made[1] for name in references(list(entity.values()))}
+    outer = {
+        "https://w3id.org/ro/crate/1.1",
+        *references([language["url"], language["identifier"]]),
+    }
+    outer |= set(ids(entities["ro-crate-metadata.json"]["conformsTo"]))
+    named = {name for entity in entities.values() for name in references(list(entity.values()))}
     assert named - set(entities) <= outer
 
 
-def test_ro_crate_every_file_is_there_and_part_of_the_root(root, entities):
-    files = {name for name, entity in entities.items() if "File" in entity["@type"]}
-    assert files == set(ids(entities["./"]["hasPart"]))
-    assert all((root / unquote(name)).is_file() for name in files)
-
-
-def test_workflow_crate_the_main_entity_is_the_snakefile_with_its_parts_and_software(entities):
+def test_the_run_leads_from_the_workflow_and_declared_inputs_to_all_results(root, entities):
     main = entities[entities["./"]["mainEntity"]["@id"]]
     assert main["@id"] == "crate/Snakefile"
-    parts = {"crate/workflow/rules/a.smk", "crate/workflow/scripts/run_study.py"}
-    assert set(ids(main["hasPart"])) == parts
+    assert ids(main["hasPart"]) == [f"crate/{name}" for name in PARTS]
     software = [entities[name] for name in ids(main["softwareRequirements"])]
     versions = {name: version for name, version in STAMP["packages"].items() if version}
     assert {item["name"]: item["softwareVersion"] for item in software} == versions
-
-
-def test_run_crate_the_run_leads_from_declared_inputs_to_all_results(root, entities, action):
-    assert action["instrument"] == entities["./"]["mainEntity"]
+    (action,) = (entity for entity in entities.values() if entity["@type"] == "CreateAction")
     assert action["@id"] in ids(entities["./"]["mentions"])
-    inputs = ("config/analyses/models.yaml", "config/config.yaml", "config/digitised/fig14.csv")
-    inputs += ("config/laboratory.yaml", "config/materials.csv")
-    assert ids(action["object"]) == [f"crate/{name}" for name in inputs]
-    assert {entities[f"crate/{name}"]["alternateName"] for name in inputs} == set(inputs)
-    there = {
-        path.relative_to(root).as_posix()
-        for folder in ("tables", "data", "figures")
-        for path in (root / folder).iterdir()
-    }
-    assert set(ids(action["result"])) == there
-    assert (action["startTime"], action["endTime"]) == (STAMP["started"], DATE)
+    assert ids(action["instrument"]) == [main["@id"]]
+    assert [entities[name]["alternateName"] for name in ids(action["object"])] == list(INPUTS)
+    made = (path for name in ("tables", "data", "figures") for path in (root / name).iterdir())
+    assert set(ids(action["result"])) == {path.relative_to(root).as_posix() for path in made}
+    assert (action["startTime"], action["endTime"]) == (STAMP["started"], STAMP["ended"])
 
 
 def test_every_claim_has_a_review_with_its_verdict(entities):
@@ -151,17 +123,6 @@ def test_the_same_run_gives_the_same_bytes_and_no_leftovers(tmp_path):
     assert not (tmp_path / "b/crate/config/gone.csv").exists()
 
 
-def test_results_of_another_commit_are_refused(tmp_path):
-    project = write(tmp_path / "project", PROJECT)
-    identity = ("-c", "user.name=a", "-c", "user.email=a@b")
-    for words in (("init", "-q"), ("add", "."), (*identity, "commit", "-q", "-m", "a")):
-        execute("git", "-C", project, *words)
-    root = finished(tmp_path / "results", git={"commit": "abc", "dirty": False})
-    with pytest.raises(ResultsError, match="the run is of commit abc, the project is at"):
-        write_crate(root, project)
-    assert not (root / "crate").exists()
-
-
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -169,10 +130,14 @@ def test_results_of_another_commit_are_refused(tmp_path):
         ({"ended": None}, "the run has not ended well"),
         ({"outdated": ["data/fig14.csv"]}, "from other inputs: data/fig14.csv;"),
         ({"config": {"materials": "/etc/hostname"}}, "materials: '/etc/hostname' must be"),
+        ({"git": {"commit": "abc", "dirty": False}}, "is of commit abc, the project is at"),
     ],
 )
-def test_a_malformed_stamp_is_refused(tmp_path, change, words):
+def test_a_malformed_stamp_or_another_commit_is_refused(tmp_path, change, words):
     project = write(tmp_path / "project", PROJECT)
+    identity = ("-c", "user.name=a", "-c", "user.email=a@b")
+    for command in (("init", "-q"), ("add", "."), (*identity, "commit", "-q", "-m", "a")):
+        execute("git", "-C", project, *command)
     root = finished(tmp_path / "results", **change)
     with pytest.raises(ResultsError, match=re.escape(words)):
         write_crate(root, project)
@@ -183,5 +148,5 @@ def test_a_malformed_stamp_is_refused(tmp_path, change, words):
 def test_the_declared_inputs_of_the_project_are_complete():
     from study.run.config import read_configuration
 
-    paths = {path.as_posix() for path in declared_inputs(read_configuration(ROOT / "config"), ROOT)}
-    assert {"config/config.yaml", "config/materials.csv", "config/claims.yaml"} <= paths
+    paths = declared_inputs(read_configuration(ROOT / "config"), ROOT)
+    assert {"config/config.yaml", "config/materials.csv", "config/claims.yaml"} <= {*paths}

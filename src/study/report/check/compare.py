@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from microimpact.core.files import recorded_inputs
 from study.report.check.differences import Difference, Kind, compare_tables
 from study.report.check.results import (
     CLAIMS,
@@ -22,7 +21,7 @@ from study.report.check.results import (
     require_results,
     table_files,
 )
-from study.report.check.wording import by_file, cells, markdown, summary, worst
+from study.report.check.wording import FEW, by_file, cells, markdown, summary, worst
 from study.report.site.pages import render
 from study.run.stamp import STAMP
 from study.run.stamp import changes as configured
@@ -42,8 +41,8 @@ LONE: tuple[Kind, Kind] = ("missing row", "extra row")
 PREFIX = {"config": "", "printed_values": "printed."}
 # Digits of a checksum that are shown.
 SHORT = 12
-# Characters of a cell in the page, and parts of a figure that are named.
-WIDTH, FEW = 120, 5
+# Characters of a cell in the page.
+WIDTH = 120
 _ITEM = re.compile(r"\[\d+\].*")
 
 
@@ -74,15 +73,13 @@ class Changes:
     """Changes from one results folder to another.
 
     `runs` compares the stamps: commit, versions, seed. It makes no difference by itself, nor do
-    files that one of the runs has not built, `not_built`, by its folder. Figures that
-    rest on a changed input, `resting`, come first among the figures.
+    files that one of the runs has not built, `not_built`, by its folder.
     """
 
     baseline: Path
     changed: Path
     runs: tuple[Difference, ...]
     inputs: tuple[Difference, ...]
-    resting: tuple[str, ...]
     verdicts: tuple[Difference, ...]
     numbers: tuple[Difference, ...]
     figures: tuple[FigureChange, ...]
@@ -107,11 +104,10 @@ def compare(baseline: Path, changed: Path) -> Changes:
     for name in table_files(baseline):
         if name in after:
             differences = compare_tables(name, read_cells(before[name]), read_cells(after[name]))
-            for difference in _by_series(differences) if name.startswith("data/") else differences:
+            for difference in differences:
                 if difference.column != MARKED:
                     topics[_topic(difference)].append(difference)
     names = [name for name in figure_files(baseline) if f"figures/{name}.svg" in after]
-    resting = [name for name in names if _rests_on_other_inputs(name, baseline, changed)]
     parts = by_file(topics["figures"])
     figures = [
         FigureChange(
@@ -120,14 +116,13 @@ def compare(baseline: Path, changed: Path) -> Changes:
             changed=after[f"figures/{name}.svg"],
             parts=tuple(parts.get(f"figures/{name}.csv", ())),
         )
-        for name in sorted(names, key=lambda name: (name not in resting, name))
+        for name in names
     ]
     return Changes(
         baseline=baseline,
         changed=changed,
         runs=tuple(_stamps(baseline, changed)),
         inputs=tuple(_inputs(baseline, changed, topics["inputs"])),
-        resting=tuple(resting),
         verdicts=tuple(_with_numbers(topics["verdicts"], baseline, changed)),
         numbers=tuple(topics["numbers"]),
         figures=tuple(figure for figure in figures if not figure.same),
@@ -183,23 +178,6 @@ def _with_numbers(
         )
 
 
-def _by_series(differences: Sequence[Difference]) -> list[Difference]:
-    """Join the points that one run alone has by their series: one difference each."""
-    lone = [d for d in differences if d.kind in LONE]
-    points = Counter((d.kind, d.row.rpartition(" #")[0] or d.row) for d in lone)
-    series = [
-        Difference(
-            file=lone[0].file,
-            kind=kind,
-            row=name,
-            reference=f"{count} points" if kind == LONE[0] else "",
-            result=f"{count} points" if kind == LONE[1] else "",
-        )
-        for (kind, name), count in points.items()
-    ]
-    return series + [d for d in differences if d.kind not in LONE]
-
-
 def _inputs(baseline: Path, changed: Path, differences: Sequence[Difference]) -> list[Difference]:
     """Return one difference per changed input, with the number of its uses that changed, too.
 
@@ -245,11 +223,6 @@ def _places(root: Path) -> dict[str, str]:
     return {key: name for key, name in zip(table["key"], table["origin"], strict=True) if name}
 
 
-def _rests_on_other_inputs(figure: str, baseline: Path, changed: Path) -> bool:
-    before, after = (recorded_inputs(root, f"figures/{figure}.svg") for root in (baseline, changed))
-    return bool(before and after) and before != after
-
-
 def _stamps(baseline: Path, changed: Path) -> list[Difference]:
     left, right = (_versions(_stamp(root)) for root in (baseline, changed))
     return [
@@ -282,41 +255,33 @@ def _versions(stamp: Mapping[str, Any]) -> dict[str, Any]:
     return flat
 
 
-def as_text(changes: Changes, few: int = 5) -> str:
+def as_text(changes: Changes) -> str:
     """Return the changes as Markdown."""
     parts = [f"# {changes.baseline} (baseline) and {changes.changed} (changed)"]
     parts += [f"{len(n)} files were not built in {root}." for root, n in changes.not_built]
     if changes.same:
         parts.append(SAME)
-    for title, differences, shown in sections(changes, few):
+    for title, differences, shown in sections(changes):
         if differences:
             parts += [f"## {title}", markdown(differences, shown, names=SIDES)]
-        if title == "Inputs" and changes.resting:
-            parts.append(f"Figures that rest on them: {', '.join(changes.resting)}.")
     if changes.figures:
         lines = [f"- {figure.name}: {figure.words}" for figure in changes.figures]
         parts += ["## Figures", "\n".join(lines)]
     return "\n\n".join(parts)
 
 
-def sections(changes: Changes, few: int) -> list[tuple[str, tuple[Difference, ...], int]]:
+def sections(changes: Changes) -> list[tuple[str, tuple[Difference, ...], int]]:
     """Return title, differences and how many are shown; inputs and verdicts are shown all."""
     return [
         ("Runs", changes.runs, len(changes.runs)),
         ("Inputs", changes.inputs, len(changes.inputs)),
         ("Verdicts", changes.verdicts, len(changes.verdicts)),
-        ("Numbers", changes.numbers, few),
+        ("Numbers", changes.numbers, FEW),
     ]
 
 
-def page(changes: Changes, few: int = 20) -> str:
-    """Return the changes as one HTML page that needs nothing else, figures side by side.
-
-    Parameters
-    ----------
-    few
-        How many differences of each kind are shown per table of numbers.
-    """
+def page(changes: Changes) -> str:
+    """Return the changes as one HTML page that needs nothing else, figures side by side."""
     return render(
         "compare.html",
         templates=Path(__file__).parent / "templates",
@@ -325,7 +290,7 @@ def page(changes: Changes, few: int = 20) -> str:
         same=SAME,
         sections=[
             (title, [(file, *_in_page(part, shown)) for file, part in by_file(members).items()])
-            for title, members, shown in sections(changes, few)
+            for title, members, shown in sections(changes)
             if members
         ],
         inline=_inline,

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import ValidationError
 
-from microimpact.core.materials import declared_file
-from study.declared.documents import load
 from study.declared.parameters import build, explain
 from study.tables import require_whole_rows
 
@@ -42,8 +40,8 @@ class ResultsError(ValueError):
     """Results that cannot be compared: not there, or not of the agreed form."""
 
 
-def require_results(root: Path, *needed: str) -> None:
-    """Refuse a folder that is missing, that no run has written, or that lacks needed files.
+def require_results(root: Path) -> None:
+    """Refuse a folder that is missing or that no run has written.
 
     Raises ResultsError, naming the folder.
     """
@@ -52,8 +50,6 @@ def require_results(root: Path, *needed: str) -> None:
     if not table_files(root) and not figure_files(root):
         folders = ", ".join(f"{name}/" for name in TABLE_FOLDERS)
         raise ResultsError(f"{root}: not a results folder: no files in {folders}")
-    if missing := [name for name in needed if not (root / name).is_file()]:
-        raise ResultsError(f"{root}: has no {', '.join(missing)}: build them with `snakemake`")
 
 
 def require_current(path: Path, stamp: Mapping[str, Any]) -> None:
@@ -145,9 +141,3 @@ def built(kind: type[T], content: Mapping[str, Any], where: str) -> T:
     except ValidationError as error:
         lines = explain(error, kind, "")
         raise ResultsError("\n".join(f"{where}: {line}" for line in lines)) from None
-
-
-def drawn_from() -> dict[str, tuple[str, ...]]:
-    """Return for every figure of the registry the tables of figure data it is drawn from."""
-    entries = load(declared_file("figures.yaml"))
-    return {name: tuple(entry["data"]) for name, entry in entries.items()}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import gzip
 import io
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -21,7 +21,6 @@ from study.declared.parameters import Name
 from study.report.check.differences import Difference, Tolerance, compare_tables
 from study.report.check.results import (
     INPUTS,
-    TABLE_FOLDERS,
     ResultsError,
     built,
     read_cells,
@@ -136,25 +135,6 @@ def _altered(results: Path) -> list[str]:
             for path in paths
         }
     )
-
-
-def concerned(
-    differences: Iterable[Difference], drawn_from: Mapping[str, Sequence[str]]
-) -> tuple[list[str], list[str]]:
-    """Return the names of all figures and of all tables that differences concern.
-
-    Parameters
-    ----------
-    drawn_from
-        For each figure the tables of figure data it is drawn from.
-    """
-    files = {d.file for d in differences}
-    names = {
-        folder: {Path(file).stem for file in files if file.startswith(f"{folder}/")}
-        for folder in TABLE_FOLDERS
-    }
-    figures = {figure for figure, tables in drawn_from.items() if names["data"] & {*tables}}
-    return sorted(figures | names["figures"]), sorted(names["tables"])
 
 
 def renew(

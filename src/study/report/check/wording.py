@@ -11,6 +11,8 @@ from os.path import commonprefix
 from study.report.check.differences import KINDS, Difference
 
 HEADER = ("row", "column", "reference", "result", "relative")
+# Differences of each kind that are shown per file.
+FEW = 5
 # Characters of a cell; the name of a row is never cut.
 WIDTH = 60
 
@@ -33,7 +35,7 @@ def summary(differences: Sequence[Difference]) -> str:
     return ", ".join(parts)
 
 
-def worst(differences: Sequence[Difference], few: int) -> list[Difference]:
+def worst(differences: Sequence[Difference], few: int = FEW) -> list[Difference]:
     """Return a few differences of every kind; of numbers those largest beside their column."""
     ranked = sorted(
         differences,
@@ -60,7 +62,7 @@ def shortened(text: str, width: int) -> str:
 
 
 def markdown(
-    differences: Iterable[Difference], few: int, *, names: tuple[str, str] = HEADER[2:4]
+    differences: Iterable[Difference], few: int = FEW, *, names: tuple[str, str] = HEADER[2:4]
 ) -> str:
     """Return the differences as Markdown: a heading per file, and a table of the worst.
 

@@ -10,5 +10,4 @@ def remove(report: Path) -> None:
     """Remove the pages of a report that shows results of other inputs; the explorer stays."""
     for name in (*(f"{page}.html" for page in PAGES), "record.json"):
         (report / name).unlink(missing_ok=True)
-    for folder in ("code", "figures"):
-        shutil.rmtree(report / folder, ignore_errors=True)
+    shutil.rmtree(report / "figures", ignore_errors=True)

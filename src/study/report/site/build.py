@@ -3,52 +3,36 @@
 from __future__ import annotations
 
 import csv
-import re
 import shutil
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from io import BytesIO
+from functools import cache
 from pathlib import Path
 from typing import Any
-from zipfile import ZipFile, ZipInfo
 
 from microimpact.core.files import write_file
+from study.declared.documents import load
+from study.declared.provenance import EVIDENCE
 from study.figures.registry import FORMATS
 from study.ledgers.claims import words
-from study.ledgers.claims.words import in_words
-from study.report.site import PAGES, code, ledgers
-from study.report.site.chains import FILE as CHAINS
-from study.report.site.chains import chains_json
-from study.report.site.claims import FILE as CLAIMS_FILE
-from study.report.site.claims import SCHEMA, claims_json, schema_json
-from study.report.site.datapackage import FILE as DATAPACKAGE
-from study.report.site.datapackage import datapackage
-from study.report.site.figures import (
-    CLAIM_STUDY,
-    Figure,
-    departures,
-    figures,
-    label,
-    studies_behind,
-)
+from study.report.site import PAGES, ledgers
+from study.report.site.exports import chains_json, claims_json, datapackage, schema_json
+from study.report.site.figures import Figure, departures, figures, label, studies_behind
 from study.report.site.formula import prose
-from study.report.site.glossary import definitions
-from study.report.site.graph import needs
 from study.report.site.ledgers import read_rows
-from study.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
-from study.report.site.record import Record, Rule
+from study.report.site.pages import ASSETS, EXPLORER, NAVIGATION, TEMPLATES, render
+from study.report.site.record import Record
 
 REPORT = "report"
 # Folders of the report that belong to the site alone: made anew each time.
-FOLDERS = ("code", "figures", "files")
+FOLDERS = ("figures", "files")
 # What is copied into the report, so that it can be moved and sent alone.
 COPIED = {
     "figures": tuple(f"*.{kind}" for kind in FORMATS),
     "tables": ("*.csv",),
     "data": ("*.csv",),
 }
-ARCHIVE = "files/figures.zip"
 # Figures whose findings are at the head of the front page, that of the main picture first.
 FIRST = ("evidence", "capture_laws", "rival_restitution")
 # Claims that decide most of the article's argument.
@@ -63,8 +47,15 @@ PARTS_OF_CLAIMS = {
 }
 # Tables that the page of claims shows below them.
 BESIDE = ("rival_explanations", "capture_evidence", "rival_forces", "external_evidence")
-# In the words of a rule: a table, then what it holds.
-_TOLD = re.compile(r"((?:tables|data)/\w+\.csv): ([^;]+?)(?:[;.] |\.?$)")
+# Tables that belong to no figure.
+WORDS = {
+    "inputs": "Every declared number with unit, evidence class and source.",
+    "claims": "Every claim of the article, the numbers behind it and the verdict.",
+    "claim_results": "Every number of every claim, its bounds, and whether it lies within them.",
+    "claim_shares": "Shares of the drawn contacts that meet each claim.",
+    "equations": "Every equation as printed and as used, judged.",
+    "errata": "Slips of the text outside its equations.",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,7 +66,6 @@ class Table:
     words: str
     columns: tuple[str, ...]
     rows: int
-    maker: Rule | None
 
     @property
     def name(self) -> str:
@@ -111,7 +101,6 @@ def write_site(results: Path, record: Record) -> list[Path]:
         shutil.rmtree(report / folder, ignore_errors=True)
     for source, target in _copies(results):
         write_file(report / target, source.read_bytes())
-    write_file(report / ARCHIVE, _archive(results))
     for name, text in pages.items():
         write_file(report / name, text)
     return [report / name for name in pages]
@@ -126,16 +115,6 @@ def _copies(results: Path) -> list[tuple[Path, str]]:
     ]
 
 
-def _archive(results: Path) -> bytes:
-    """Return all figures in one archive: not compressed, so that its bytes hang on them alone."""
-    stream = BytesIO()
-    with ZipFile(stream, "w") as archive:
-        for pattern in COPIED["figures"]:
-            for path in _visible(results / "figures", pattern):
-                archive.writestr(ZipInfo(f"figures/{path.name}"), path.read_bytes())
-    return stream.getvalue()
-
-
 def _visible(folder: Path, pattern: str) -> list[Path]:
     return [path for path in sorted(folder.glob(pattern)) if not path.name.startswith(".")]
 
@@ -148,18 +127,17 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     )
     shown = figures(results, record, {"claims": claims, "equations": equations}, declared)
     by_name = {figure.name: figure for figure in shown}
-    tables = _tables(results, record, shown)
+    tables = _tables(results, shown)
     if not shown and not tables:
         raise ValueError(f"{results}: no figures and no tables to report on")
     explored = (results / REPORT / f"{EXPLORER}.html").is_file()
     evidence = Counter(row["evidence"] for row in declared)
-    needed = needs(record.rules) | {CLAIM_STUDY: ()}
     common: dict[str, Any] = {
         "record": record,
         "ledgers": ledgers,
         "claims": claims,
         "departures": {
-            row["id"]: departures(declared, studies_behind(row, record), needed) for row in claims
+            row["id"]: departures(declared, studies_behind(row, record)) for row in claims
         },
         "equations": equations,
         "beside": {name: read_rows(results / f"tables/{name}.csv") for name in BESIDE},
@@ -174,9 +152,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "shown": shown,
         "first_claims": FIRST_CLAIMS,
         "first": [by_name[name] for name in FIRST if name in by_name] or shown[: len(FIRST)],
-        "place": code.place,
         "prose": prose,
-        "in_words": in_words,
         "names": {figure.name for figure in shown},
         "label": label,
         "evidence": sorted(evidence.items(), key=lambda item: (-item[1], item[0])),
@@ -191,24 +167,29 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         f"{name}.html": render(f"{name}.html", **common, here=name, wide=name in wide)
         for name in PAGES
     }
-    named = [name for row in claims for name in row["code"].split()]
-    named += [row["function"] for row in equations]
-    named += [name for figure in shown for name in figure.code.values()]
     parts = common["results"], common["shares"], common["amendments"]
     commit = str(record.git.get("commit") or "") or None
     return (
         pages
-        | {DATAPACKAGE: datapackage(results, tables)}
-        | {CLAIMS_FILE: claims_json(claims, *parts, commit), SCHEMA: schema_json()}
-        | {CHAINS: chains_json((row for row in claims if row["id"] in FIRST_CLAIMS), commit)}
-        | _figure_pages(shown, common)
         | {
-            f"{code.FOLDER}/{module.name}.html": render(
-                "code.html", **common, module=module, root="../"
-            )
-            for module in code.modules(named)
+            "files/datapackage.json": datapackage(results, tables),
+            "files/claims.json": claims_json(claims, *parts, commit),
+            "files/claims.schema.json": schema_json(),
+            "files/replication_chains.jsonld": chains_json(
+                (row for row in claims if row["id"] in FIRST_CLAIMS), commit
+            ),
         }
+        | _figure_pages(shown, common)
     )
+
+
+@cache
+def definitions() -> dict[str, str]:
+    """Return the meaning of every term and class of evidence, by name."""
+    meanings = load(TEMPLATES / "glossary.yaml") | {
+        name: f"Of a number: {meaning}." for name, meaning in EVIDENCE.items()
+    }
+    return dict(sorted(meanings.items(), key=lambda item: item[0].lower()))
 
 
 def _figure_pages(shown: Sequence[Figure], common: Mapping[str, Any]) -> dict[str, str]:
@@ -227,9 +208,11 @@ def _figure_pages(shown: Sequence[Figure], common: Mapping[str, Any]) -> dict[st
     }
 
 
-def _tables(results: Path, record: Record, shown: Sequence[Figure]) -> list[Table]:
-    makers = {file: rule for rule in record.rules for file in rule.outputs}
-    words = _words(record, shown)
+def _tables(results: Path, shown: Sequence[Figure]) -> list[Table]:
+    words = {f"tables/{name}.csv": text for name, text in WORDS.items()}
+    for figure in shown:
+        words |= dict.fromkeys(figure.data, f"Data of {figure.label}: {figure.title}.")
+    words |= {file: text for figure in shown for file, text in figure.tables.items()}
     listed = []
     for folder in ("tables", "data"):
         for path in _visible(results / folder, "*.csv"):
@@ -238,26 +221,5 @@ def _tables(results: Path, record: Record, shown: Sequence[Figure]) -> list[Tabl
                 lines = csv.reader(stream)
                 columns = tuple(next(lines, ()))
                 rows = sum(1 for _ in lines)
-            listed.append(
-                Table(
-                    file=file,
-                    words=words.get(file, ""),
-                    columns=columns,
-                    rows=rows,
-                    maker=makers.get(file),
-                )
-            )
+            listed.append(Table(file=file, words=words.get(file, ""), columns=columns, rows=rows))
     return listed
-
-
-def _words(record: Record, shown: Sequence[Figure]) -> dict[str, str]:
-    """Return a sentence on each table: of the rule that makes it, or of its figure."""
-    sentences = {
-        file: f"{words[:1].upper()}{words[1:]}."
-        for rule in record.rules
-        for file, words in _TOLD.findall(rule.purpose)
-    }
-    drawn = {
-        file: f"Data of {figure.label}: {figure.title}." for figure in shown for file in figure.data
-    }
-    return sentences | drawn | {file: words for f in shown for file, words in f.tables.items()}

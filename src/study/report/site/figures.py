@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any
 from urllib.parse import urlencode
 
 from study import studies
 from study.figures.registry import CURVES
 from study.ledgers.claims.words import in_words
-from study.report.site.graph import needs, upstream
 from study.report.site.ledgers import Row, read_rows
-from study.report.site.record import Record, Rule
+from study.report.site.record import Record
 
 ARTICLE = re.compile(r"fig(\d\d)")
 ACRONYMS = {"ptis", "pdpa"}
@@ -35,32 +33,18 @@ EXPLORED = {
     "spin_rad_per_s": "spin",
     "friction": "f",
 }
+CLAIM_STUDY = "claim_numbers"
 _MICROMETRE = re.compile(r"\bum\b")
 _ITEM = re.compile(r"\[\d+\]$")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Marks:
-    """One evidence class in a figure and the series that have it, in words, by panel."""
-
-    evidence: str
-    series: Mapping[str, tuple[str, ...]]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Inputs:
-    """Inputs of one study: values of its branch and rows of the declared tables."""
-
-    values: tuple[Row, ...]
-    rows: tuple[Row, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
     """One figure: words, files relative to the results, inputs, equations and claims.
 
-    Tables of its study that belong with it have a sentence each, functions of its code a role.
-    `explorer` is the fragment that opens the explorer with its impact; empty if it has none.
+    Tables of its study that belong with it have a sentence each. `marks` are the series of each
+    evidence class, `values` the inputs in the branch of its study, and `rows` those of declared
+    tables. `explorer` is the fragment that opens the explorer with its impact, or empty.
     """
 
     name: str
@@ -70,16 +54,16 @@ class Figure:
     caption: str
     method: str
     article: str
-    study: str
     data: tuple[str, ...]
     tables: Mapping[str, str]
-    marks: tuple[Marks, ...]
-    inputs: Inputs
+    marks: Mapping[str, tuple[str, ...]]
+    values: tuple[Row, ...]
+    rows: tuple[Row, ...]
     upstream: tuple[str, ...]
-    code: Mapping[str, str]
+    drawing: str
+    analysis: str
     explorer: str
     departures: tuple[Row, ...]
-    contacts: tuple[str, ...]
     equations: tuple[Row, ...]
     claims: tuple[Row, ...]
     is_narrow: bool
@@ -87,9 +71,8 @@ class Figure:
     @property
     def alternative(self) -> str:
         """Alternative text of the picture."""
-        shown = ", ".join(mark.evidence for mark in self.marks)
         words = f"{self.title}. {self.finding} {self.caption}"
-        return f"{self.label}. {words} Marks: {shown or 'none'}."
+        return f"{self.label}. {words} Marks: {', '.join(self.marks) or 'none'}."
 
 
 def _line(words: str) -> str:
@@ -122,16 +105,11 @@ def figures(
     declared
         Rows of the table of inputs.
     """
-    needed = needs(record.rules)
-    calibration = read_rows(results / "tables/calibration.csv")
-    rules = {rule.name: rule for rule in record.rules}
-    homes = studies.homes()
     there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
 
     def figure(name: str) -> Figure:
         entry = record.figures[name]
         study, data = entry["study"], tuple(f"data/{table}.csv" for table in entry["data"])
-        module = entry.get("module", CURVES)
         tables = {f"tables/{table}.csv": words for table, words in entry.get("tables", {}).items()}
         return Figure(
             name=name,
@@ -139,19 +117,16 @@ def figures(
             title=entry["title"],
             **{key: _line(entry.get(key, "")) for key in ("finding", "caption", "method")},
             article=" ".join(entry.get("article", "").split()),
-            study=study,
             data=data,
             tables={file: words for file, words in tables.items() if (results / file).is_file()},
-            marks=_marks([results / file for file in data], entry.get("panels", {})),
-            inputs=_inputs(rules.get(study, Rule(name=study)), declared),
-            upstream=upstream(study, needed),
-            code={
-                "drawing": f"{module}.{entry.get('function', 'draw')}",
-                "analysis": f"{homes.get(study, '')}.run",
-            },
+            marks=_marks([results / file for file in data]),
+            values=tuple(joined(_branch(study, declared))),
+            rows=_rows(record.rows.get(study, {}), declared),
+            upstream=upstream(study),
+            drawing=f"{entry.get('module', CURVES)}.{entry.get('function', 'draw')}",
+            analysis=f"{studies.homes()[study]}.run",
             explorer=explored(study, declared),
-            departures=departures(declared, [study], needed),
-            contacts=() if ".schematics." in module else contacts(entry, declared, calibration),
+            departures=departures(declared, [study]),
             equations=tuple(
                 row for row in ledgers["equations"] if row["equation"] in entry.get("equations", ())
             ),
@@ -162,109 +137,61 @@ def figures(
     return [figure(n) for n in sorted(there, key=lambda n: (not ARTICLE.fullmatch(n), n))]
 
 
-def _marks(paths: Iterable[Path], panels: Mapping[str, Mapping[str, Any]]) -> tuple[Marks, ...]:
-    marks: dict[str, dict[str, dict[str, None]]] = {}
-    for path in filter(Path.is_file, paths):
-        with path.open(encoding="utf-8", newline="") as stream:
-            rows = csv.reader(stream)
-            next(rows)  # panel, series, evidence and the numbers
-            for panel, series, evidence in dict.fromkeys(tuple(row[:3]) for row in rows):
-                named = marks.setdefault(evidence, {}).setdefault(panel, {})
-                named[_series_words(series, panel, panels)] = None
-    return tuple(
-        Marks(
-            evidence=evidence,
-            series={_panel_words(panel, panels): tuple(names) for panel, names in by_panel.items()},
-        )
-        for evidence, by_panel in marks.items()
-    )
+def _marks(paths: Iterable[Path]) -> dict[str, tuple[str, ...]]:
+    """Return the series of each evidence class; the rows of a picture count as one."""
+    series = dict.fromkeys((r["evidence"], r["series"]) for path in paths for r in read_rows(path))
+    marks: dict[str, dict[str, None]] = {}
+    for evidence, name in series:
+        words = "grey levels of its rows" if name.isdigit() else in_words(name)
+        marks.setdefault(evidence, {})[words] = None
+    return {evidence: tuple(names) for evidence, names in marks.items()}
 
 
-def _panel_words(panel: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the title of a panel, or the label of its upright axis."""
-    spec = panels.get(panel, {})
-    return " ".join((spec.get("title") or spec.get("y_label") or in_words(panel)).split())
+@cache
+def upstream(study: str) -> tuple[str, ...]:
+    """Return the studies whose tables a study rests on, the nearest first."""
+    chain = [study]
+    for name in chain:
+        chain += [maker for maker in sorted({*studies.needs(name).values()}) if maker not in chain]
+    return tuple(chain[1:])
 
 
-def _series_words(name: str, panel: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the label of a series in a legend of the figure, its own panel first, or its name.
-
-    The effects of a response are series, too: ``v_c: AB``; and so are the rows of a picture.
-    """
-    first = panels.get(panel, {})
-    start, colon, effect = name.partition(": ")
-    for spec in (first, *panels.values()):
-        series = spec.get("series", {})
-        for key, rest in ((name, ""), (start, colon + effect)):
-            label = series.get(key, {}).get("label", "_")
-            if not label.startswith("_"):
-                return " ".join(f"{label}{rest}".split())
-    return "grey levels of its rows" if name.isdigit() else " ".join(in_words(name).split())
+def _rows(names: Mapping[str, Iterable[str]], declared: Sequence[Row]) -> tuple[Row, ...]:
+    """Return the rows of the declared tables by their names."""
+    named = {(TABLES[table], key) for table in names.keys() & TABLES for key in names[table]}
+    return tuple(row for row in declared if (row["file"], owner(row)) in named)
 
 
-def _inputs(rule: Rule, declared: Sequence[Row]) -> Inputs:
-    named = {
-        (TABLES[table], key)
-        for table, keys in rule.declared.items()
-        if table in TABLES
-        for key in keys
-    }
-    values = [
-        row | {"key": row["key"].removeprefix(f"{rule.name}.")}
+def _branch(study: str, declared: Sequence[Row]) -> list[Row]:
+    """Return the values of the branch of a study, their keys without its name."""
+    return [
+        row | {"key": row["key"].removeprefix(f"{study}.")}
         for row in declared
-        if row["file"] == "config" and row["key"].startswith(f"{rule.name}.")
+        if row["file"] == "config" and row["key"].startswith(f"{study}.")
     ]
-    return Inputs(
-        values=tuple(joined(values)),
-        rows=tuple(row for row in declared if (row["file"], owner(row)) in named),
-    )
 
 
 def explored(study: str, declared: Sequence[Row]) -> str:
     """Return the state of the explorer for the impact of a study, empty without a single one."""
-    values = {
-        row["key"].removeprefix(f"{study}."): row["value"]
-        for row in declared
-        if row["file"] == "config" and row["key"].startswith(f"{study}.")
-    }
+    values = {row["key"]: row["value"] for row in _branch(study, declared)}
     if not {"case", "speed_m_per_s"} <= set(values):
         return ""
     return urlencode({field: values[key] for key, field in EXPLORED.items() if key in values})
 
 
-def departures(
-    declared: Sequence[Row], names: Iterable[str], needed: Mapping[str, Sequence[str]]
-) -> tuple[Row, ...]:
-    """Return the inputs that studies, or those they rest on, have in place of the laboratory's."""
-    concerned = {each for study in names for each in (study, *upstream(study, needed))}
+def departures(declared: Sequence[Row], names: Iterable[str]) -> tuple[Row, ...]:
+    """Return the inputs that studies, or those they rest on, have in place of the laboratory's.
+
+    The study of all claims counts by itself: each claim rests on the tables that it reads.
+    """
+    concerned = {
+        each
+        for study in names
+        for each in (study, *(upstream(study) if study != CLAIM_STUDY else ()))
+    }
     return tuple(
         row for row in declared if row["overrides"] and row["key"].partition(".")[0] in concerned
     )
-
-
-def contacts(
-    entry: Mapping[str, Any], declared: Sequence[Row], calibration: Sequence[Row]
-) -> tuple[str, ...]:
-    """Return the calibrated contacts that a figure names, or else all that its study uses.
-
-    A study names one by a value, as ``case``, or by a branch.
-
-    Parameters
-    ----------
-    entry
-        Of the figure in the registry.
-    declared, calibration
-        Rows of the tables of inputs and of the calibration.
-    """
-    branch = [row for row in declared if row["key"].startswith(f"{entry['study']}.")]
-    values, keys = {row["value"] for row in branch}, "\n".join(f"{row['key']}." for row in branch)
-    cases = dict.fromkeys(row["case"] for row in calibration)
-    used = [case for case in cases if case in values or f".{case}." in keys]
-    return tuple([case for case in used if case in str(entry)] or used)
-
-
-# The study of all claims; each rests on the tables that it was computed from.
-CLAIM_STUDY = "claim_numbers"
 
 
 def studies_behind(claim: Row, record: Record) -> set[str]:

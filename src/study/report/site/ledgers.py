@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import csv
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -39,11 +38,6 @@ CLAIM_VERDICTS = {
     "not computed": "mute",
     OF_ANOTHER: "mute",
 }
-EXTERNAL_VERDICTS = {
-    "agrees with independent data": "good",
-    "disagrees with independent data": "bad",
-    "not computed": "mute",
-}
 EQUATION_VERDICTS = {
     "correct": "good",
     "definition": "fitted",
@@ -54,17 +48,6 @@ EQUATION_VERDICTS = {
 CONTRADICTION = "contradiction"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Count:
-    """How many rows have a verdict, and where its bar begins and ends, in percent of all."""
-
-    verdict: str
-    colour: str
-    number: int
-    begin: float
-    share: float
-
-
 def read_rows(path: Path) -> list[Row]:
     """Return the rows of a table as text; none if there is no such file."""
     if not path.is_file():
@@ -73,24 +56,10 @@ def read_rows(path: Path) -> list[Row]:
         return list(csv.DictReader(stream))
 
 
-def counts(rows: Sequence[Row], verdicts: Mapping[str, str]) -> tuple[Count, ...]:
+def counts(rows: Sequence[Row], verdicts: Mapping[str, str]) -> dict[str, int]:
     """Count the rows of each verdict that occurs; those that are not foreseen come last."""
-    judged = [row["verdict"] for row in rows]
-    order = [v for v in dict.fromkeys((*verdicts, *sorted(judged))) if v in judged]
-    counted, begin = [], 0.0
-    for verdict in order:
-        share = 100.0 * judged.count(verdict) / len(judged)
-        counted.append(
-            Count(
-                verdict=verdict,
-                colour=verdicts.get(verdict, "mute"),
-                number=judged.count(verdict),
-                begin=round(begin, 3),
-                share=round(share, 3),
-            )
-        )
-        begin += share
-    return tuple(counted)
+    judged = Counter(row["verdict"] for row in rows)
+    return {v: judged[v] for v in dict.fromkeys((*verdicts, *sorted(judged))) if judged[v]}
 
 
 def counted(claims: Sequence[Row]) -> list[Row]:

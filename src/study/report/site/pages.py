@@ -29,8 +29,6 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
-from study.report.site.glossary import marked
-
 HERE = Path(__file__).parent
 TEMPLATES = HERE / "templates"
 ASSETS = HERE / "assets"
@@ -46,7 +44,6 @@ NAVIGATION = (
     ("run", "run.html", "This run"),
 )
 
-GLOSSARY = "glossary"
 # The page that another rule writes: the site links to it where it is there.
 EXPLORER = "explorer"
 
@@ -68,8 +65,7 @@ def render(template_name: str, *, templates: Path | None = None, **context: Any)
     jinja2.UndefinedError
         If the template shows something that is not given.
     """
-    text = _environment(templates).get_template(template_name).render(**context)
-    return marked(text, context.get("root", "")) if context.get("here") != GLOSSARY else text
+    return _environment(templates).get_template(template_name).render(**context)
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Record of a run for its site, beyond its tables and figures: rules, registry, versions, commit.
+"""Record of a run for its site, beyond its tables and figures: registry, versions, commit.
 
 The workflow writes it to ``report/record.json``, so that the site of a finished run can be made
 again without the workflow engine.
@@ -9,8 +9,8 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,22 +24,8 @@ _ROW_NAMES = ("material", "particle", "surface", "key", "name")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rule:
-    """One rule of the workflow."""
-
-    # Its name and docstring.
-    name: str
-    purpose: str = ""
-    # Results it reads and makes, relative to the results folder.
-    inputs: tuple[str, ...] = ()
-    outputs: tuple[str, ...] = ()
-    # Rows of the declared tables it is given, by the table's name.
-    declared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Record:
-    """Stamp, registry and rules of a run, as its site shows them."""
+    """Stamp and registry of a run, as its site shows them."""
 
     # As in the run stamp.
     seed: int
@@ -49,7 +35,7 @@ class Record:
     packages: Mapping[str, str | None]
     changes: tuple[Change, ...]  # Where the configuration differs from the shipped one
     figures: Mapping[str, Mapping[str, Any]]  # The registry, words filled in
-    rules: tuple[Rule, ...]  # All rules that make results; none if they are not known
+    rows: Mapping[str, Mapping[str, tuple[str, ...]]]  # Declared, by study and table: names
 
     def plain(self) -> dict[str, Any]:
         """Return the record as JSON would hold it."""
@@ -62,7 +48,7 @@ def record_of(
     config: Mapping[str, Any],
     shipped: Mapping[str, Any],
     figures: Mapping[str, Mapping[str, Any]],
-    rules: Sequence[Rule],
+    rows: Mapping[str, Mapping[str, str]],
     project: Path,
 ) -> Record:
     """Return the record of a run that is being made.
@@ -73,22 +59,26 @@ def record_of(
         The merged configuration, and the one that the project comes with.
     figures
         The registry, words filled in.
-    rules
-        All rules that make results.
+    rows
+        Declared rows that each study is given, as CSV by table.
     project
         Root of the project, whose commit is recorded.
     """
-    changed = changes(config, shipped)
-    return Record(**origin(config, project), changes=changed, figures=figures, rules=tuple(rules))
+    return Record(
+        **origin(config, project),
+        changes=changes(config, shipped),
+        figures=figures,
+        rows={study: row_names(tables) for study, tables in rows.items()},
+    )
 
 
-def row_names(rows: Mapping[str, str] | None) -> dict[str, tuple[str, ...]]:
-    """Return which rows of each declared table a rule is given, from the tables as CSV.
+def row_names(rows: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
+    """Return which rows of each declared table a study is given, from the tables as CSV.
 
     A material, a printed value and a source have their name, a contact ``particle on surface``.
     """
     names = {}
-    for table, text in (rows or {}).items():
+    for table, text in rows.items():
         rows_of_table = csv.DictReader(io.StringIO(text))
         keys = [column for column in _ROW_NAMES if column in (rows_of_table.fieldnames or ())]
         named = (" on ".join(row[key] for key in keys) for row in rows_of_table)
@@ -96,23 +86,16 @@ def row_names(rows: Mapping[str, str] | None) -> dict[str, tuple[str, ...]]:
     return names
 
 
-def from_plain(content: Mapping[str, Any], where: str = RECORD) -> Record:
-    """Return the record that `Record.plain` has written.
-
-    Raises ResultsError if a key is missing, unknown or of another kind.
-    """
-    return built(Record, content, where)
-
-
-def write_record(results: Path, record: Record) -> None:
-    """Write ``report/record.json``."""
-    text = json.dumps(record.plain(), indent=1, ensure_ascii=False, sort_keys=True)
+def write_record(results: Path, plain: Mapping[str, Any]) -> None:
+    """Write ``report/record.json``, see `Record.plain`."""
+    text = json.dumps(plain, indent=1, ensure_ascii=False, sort_keys=True)
     write_file(results / RECORD, text + "\n")
 
 
 def read_record(results: Path) -> Record:
     """Return the record of a run.
 
-    Raises ResultsError if the folder has none, or a malformed one.
+    Raises ResultsError if the folder has none, or one with a key that is missing, unknown or of
+    another kind.
     """
-    return from_plain(read_json(results / RECORD), str(results / RECORD))
+    return built(Record, read_json(results / RECORD), str(results / RECORD))

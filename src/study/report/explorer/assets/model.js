@@ -38,8 +38,7 @@ globalThis.Explorer = (() => {
   /** Outcome of a normal impact, impulses per mass; `unsolved` where it takes too many steps. */
   function normalImpact(c, scale, speed) {
     const c_A = adhesionDamping(c, speed);
-    const damping = (c_A + 2 * c.hertz_damping) * speed;
-    const stays = { captured: true, e: 0, damping, contact_time: Infinity };
+    const stays = { captured: true, e: 0, contact_time: Infinity };
     const groups = [c.hertz_damping * scale.velocity, c_A * scale.velocity];
     if (groups[0] > always_captured_hertz_group || groups[1] > always_captured_adhesion_group) return stays;
     // Units of the adhesive scale below its velocity, of the impact's own speed above.
@@ -48,13 +47,12 @@ globalThis.Explorer = (() => {
     const length = adhesive ? scale.equilibrium : ((scale.mass * speed ** 2) / scale.spring) ** 0.4;
     const start = { s: 0, u: speed / unit, b: scale.equilibrium / length };
     const found = follow({ ...start, C_H: c.hertz_damping * unit, approach: 0, rebound: c_A * unit });
-    if (found.outcome === "unsolved") return { unsolved: true, damping };
+    if (found.outcome === "unsolved") return { unsolved: true };
     if (found.outcome === "captured") return stays;
     const e = Math.min(-found.u / start.u, 1);
     return {
       captured: false,
       e,
-      damping,
       contact_time: (found.time * length) / unit,
       compressive: found.compressive * unit,
       hertz: found.hertz * unit,
@@ -136,7 +134,7 @@ globalThis.Explorer = (() => {
       spin: c.partner_spin === 0 ? c.spin : c.spin + scale.size * c.partner_spin,
     };
     const normal = normalImpact(c, scale, v.n);
-    if (normal.unsolved) return { unsolved: true, damping: normal.damping };
+    if (normal.unsolved) return { unsolved: true };
     const slip = v.t - scale.radius * v.spin;
     const { rolling, size } = friction(c, normal, Math.abs(slip), v.n);
     const change = Math.sign(slip) * size;
@@ -160,7 +158,6 @@ globalThis.Explorer = (() => {
       translational_energy_loss: linear / c.speed ** 2,
       energy_loss: (linear + rotational) / c.speed ** 2,
       shares: shares(c, v, after, normal, scale.radius),
-      damping: normal.damping,
     };
   }
 

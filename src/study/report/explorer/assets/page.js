@@ -2,7 +2,7 @@
 "use strict";
 globalThis.Page = (() => {
   const { numbers, impact, captureVelocity, scales } = Explorer;
-  const { digits, withUnit, speedText, timeText, spinText, captureText } = Words;
+  const { digits, speedText, timeText, spinText, captureText } = Words;
   const byId = (id) => document.getElementById(id);
   const texts = () => Object.fromEntries(Fields.list.map(({ key }) => [key, byId(key).value]));
   const OWN = "own numbers";
@@ -112,11 +112,6 @@ globalThis.Page = (() => {
     say("time", timeText(found.contact_time));
     say("TL", digits(found.translational_energy_loss));
     say("total", digits(found.energy_loss));
-    say("K", withUnit(scale.stiffness, "Pa", { G: 1e9, M: 1e6 }));
-    say("f0", `${digits(scale.ring_force)} N/m`);
-    say("mass", `${digits(scale.mass)} kg`);
-    say("scale", speedText(scale.velocity));
-    say("D", digits(found.damping));
     const motion = found.rolling ? "rolling" : "sliding to the end";
     const e = digits(found.coefficient_of_restitution, 3);
     byId("verdict").dataset.outcome = found.captured ? "captured" : "rebound";
@@ -185,7 +180,6 @@ globalThis.Page = (() => {
     const limit = captureVelocity(c, scale);
     showNumbers(c, scale, found, limit);
     showBudget(found);
-    Views.sketch(byId("sketch"), c, scale, found);
     Views.restitution(byId("plot_e"), c, scale, found, limit);
     Views.angles({ ratio: byId("plot_mu"), loss: byId("plot_loss") }, c, scale, found, limit);
     return undefined;

@@ -1,4 +1,4 @@
-// Small plots and the sketch of the velocities, as SVG. They know numbers, not physics.
+// Small plots, as SVG. They know numbers, not physics.
 "use strict";
 globalThis.Plots = (() => {
   const SVG = "http://www.w3.org/2000/svg";
@@ -102,87 +102,10 @@ globalThis.Plots = (() => {
     }
   }
 
-  // ---- sketch -------------------------------------------------------------------------------
-  const GROUND = 236;
-  const BALL = 20;
-
-  const joined = (points) => points.map((point) => point.join(",")).join(" ");
-
-  function arrow(svg, from, to, className) {
-    const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
-    const length = Math.hypot(dx, dy);
-    if (length < 1.5) return;
-    const [ux, uy] = [dx / length, dy / length];
-    const head = Math.min(11, length);
-    const base = [to[0] - ux * head, to[1] - uy * head];
-    const wing = head * 0.42;
-    const corners = [
-      to,
-      [base[0] - uy * wing, base[1] + ux * wing],
-      [base[0] + uy * wing, base[1] - ux * wing],
-    ];
-    const shaft = { x1: from[0], y1: from[1], x2: base[0], y2: base[1] };
-    svg.append(element("line", { ...shaft, class: `shaft ${className}` }));
-    svg.append(element("polygon", { points: joined(corners), class: `head ${className}` }));
-  }
-
-  /** An arc with a head around a sphere; positive spin turns as a wheel that rolls to the right. */
-  function spinArc(svg, centre, ratio, className) {
-    if (Math.abs(ratio) < 1e-3) return;
-    const sense = Math.sign(ratio);
-    const sweep = (60 + 200 * Math.min(Math.abs(ratio), 1)) * (Math.PI / 180);
-    const radius = BALL + 8;
-    const place = (angle) => [
-      centre[0] + radius * Math.sin(sense * angle),
-      centre[1] - radius * Math.cos(angle),
-    ];
-    const begin = -sweep / 2;
-    const steps = Array.from({ length: 33 }, (_, i) => place(begin + ((sweep - 0.12) * i) / 32));
-    svg.append(element("polyline", { points: joined(steps), class: `spin ${className}` }));
-    arrow(svg, steps.at(-2), place(sweep / 2 + 0.1), className);
-  }
-
-  function ball(svg, centre, className) {
-    svg.append(element("circle", { cx: centre[0], cy: centre[1], r: BALL, class: `ball ${className}` }));
-  }
-
-  /** Velocities before and after, to one scale: {n, t, spin} with spin as r omega / v; `size` of the partner. */
-  function sketch(svg, { before, after, captured, size, label, texts }) {
-    svg.setAttribute("viewBox", `0 0 ${WIDTH} ${HEIGHT}`);
-    svg.setAttribute("aria-label", label);
-    svg.replaceChildren();
-    // The second sphere, as far as it is seen; a plane is a very large one.
-    const r = BALL * Math.min(size, 1e5);
-    const half = r > WIDTH / 2 ? Math.asin(WIDTH / 2 / r) : Math.PI;
-    const angles = Array.from({ length: 65 }, (_, i) => half * (i / 32 - 1));
-    const edge = angles.map((a) => [WIDTH / 2 + r * Math.sin(a), GROUND + r - r * Math.cos(a)]);
-    svg.append(element("polyline", { points: joined(edge), class: "ground" }));
-    const speed = Math.hypot(before.n, before.t);
-    const reach = 165 * Math.min(1, speed / Math.hypot(after.n, after.t));
-    const touch = [WIDTH / 2, GROUND - BALL];
-    const way = (v) => [(reach * v.t) / speed, (-reach * v.n) / speed];
-    const incoming = way({ n: -before.n, t: before.t });
-    const start = [touch[0] - incoming[0], touch[1] - incoming[1]];
-    const outgoing = way(after);
-    const end = [touch[0] + outgoing[0], touch[1] + outgoing[1]];
-    ball(svg, start, "before");
-    ball(svg, touch, "at-touch");
-    const outcome = captured ? "captured" : "after";
-    const moves = Math.hypot(...outgoing) > 4;
-    if (moves) ball(svg, end, outcome);
-    arrow(svg, start, touch, "before");
-    arrow(svg, touch, end, outcome);
-    spinArc(svg, start, before.spin, "before");
-    spinArc(svg, moves ? end : touch, after.spin, outcome);
-    const y = HEIGHT - 12;
-    svg.append(element("text", { x: 12, y, class: "key before" }, texts.before));
-    svg.append(element("text", { x: WIDTH - 12, y, class: "key after", "text-anchor": "end" }, texts.after));
-  }
-
   function clear(svg) {
     svg.replaceChildren();
     svg.setAttribute("aria-label", "Nothing to show");
   }
 
-  return { chart, sketch, clear, niceStep };
+  return { chart, clear, niceStep };
 })();

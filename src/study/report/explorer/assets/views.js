@@ -73,21 +73,5 @@ globalThis.Views = (() => {
     draw(svgs.loss, losses, 0, 1, "share of the energy lost", "Energy loss, total and of translation,");
   }
 
-  function sketch(svg, c, scale, found) {
-    const V = Math.hypot(found.normal_velocity, found.tangential_velocity);
-    const spin = (w) => (w * scale.radius) / c.speed;
-    Plots.sketch(svg, {
-      before: { n: found.normal_speed, t: found.tangential_speed, spin: spin(c.spin) },
-      after: { n: found.normal_velocity, t: found.tangential_velocity, spin: spin(found.spin) },
-      captured: found.captured,
-      size: scale.size,
-      texts: {
-        before: `before: ${speedText(c.speed)}`,
-        after: found.captured && V === 0 ? "stays" : `${found.captured ? "rolls on" : "after"}: ${speedText(V)}`,
-      },
-      label: `Velocities: ${speedText(c.speed)} before, ${speedText(V)} after impact.`,
-    });
-  }
-
-  return { restitution, angles, sketch };
+  return { restitution, angles };
 })();

@@ -30,5 +30,5 @@ globalThis.Words = (() => {
     return value === Infinity ? "infinite: no speed rebounds" : speedText(value);
   }
 
-  return { digits, withUnit, speedText, timeText, spinText, captureText };
+  return { digits, speedText, timeText, spinText, captureText };
 })();
