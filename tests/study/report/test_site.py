@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from tests.study.report.pages import Page
 
 from study import studies
+from study.declared.provenance import EVIDENCE, RESULT_EVIDENCE
 from study.ledgers.claims import COLUMNS
 from study.report.check.results import ResultsError
 from study.report.commands import commands
@@ -22,6 +23,7 @@ from study.report.site import PAGES
 from study.report.site.build import site_pages, write_site
 from study.report.site.exports import chains_json, unit
 from study.report.site.figures import departures, joined, studies_behind, upstream
+from study.report.site.glossary import definitions, marked
 from study.report.site.record import (
     Change,
     changes,
@@ -267,3 +269,11 @@ def test_items_of_a_list_are_one_row_where_only_the_value_differs():
 
     rows = [row("angle[0]", "1"), row("angle[1]", "2"), row("angle[2]", "3", "t"), row("n", "4")]
     assert joined(rows) == [row("angle", "1, 2"), row("angle", "3", "t"), row("n", "4")]
+
+
+def test_a_term_leads_to_its_meaning_where_a_page_first_has_it():
+    assert set(definitions()) >= {*EVIDENCE, *RESULT_EVIDENCE}
+    page = "<h1>ring force</h1><main><h2>Ring force</h2><p>A ring force; the ring force.</p></main>"
+    text = marked(page, "../")
+    assert text.count("<a ") == 1
+    assert 'A <a class="term" href="../glossary.html#term-ring-force" title="Attraction ' in text

@@ -12,16 +12,15 @@ from pathlib import Path
 from typing import Any
 
 from microimpact.core.files import write_file
-from study.declared.documents import load
-from study.declared.provenance import EVIDENCE
 from study.figures.registry import FORMATS
 from study.ledgers.claims import words
 from study.report.site import PAGES, ledgers
 from study.report.site.exports import chains_json, claims_json, datapackage, schema_json
 from study.report.site.figures import Figure, departures, figures, label, studies_behind
 from study.report.site.formula import prose
+from study.report.site.glossary import definitions
 from study.report.site.ledgers import read_rows
-from study.report.site.pages import ASSETS, EXPLORER, NAVIGATION, TEMPLATES, render
+from study.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
 from study.report.site.record import Record
 
 REPORT = "report"
@@ -33,6 +32,8 @@ COPIED = {
     "tables": ("*.csv",),
     "data": ("*.csv",),
 }
+# Folder of the packages, whose modules are copied where a figure, claim or equation names them.
+SOURCES = Path(__file__).parents[3]
 # Figures whose findings are at the head of the front page, that of the main picture first.
 FIRST = ("evidence", "capture_laws", "rival_restitution")
 # Claims that decide most of the article's argument.
@@ -119,6 +120,23 @@ def _visible(folder: Path, pattern: str) -> list[Path]:
     return [path for path in sorted(folder.glob(pattern)) if not path.name.startswith(".")]
 
 
+@cache
+def code_module(function: str) -> Path:
+    """Return the module that defines a function, by its full name, relative to the packages."""
+    *parents, _ = function.split(".")
+    for end in range(len(parents), 0, -1):
+        stem = Path(*parents[:end])
+        for module in (stem.with_suffix(".py"), stem / "__init__.py"):
+            if (SOURCES / module).is_file():
+                return module
+    raise ValueError(f"{function}: no module of the packages defines it")
+
+
+def code_copy(function: str) -> str:
+    """Return the address in the report of a copy of a function's module, as plain text."""
+    return f"files/code/{code_module(function).with_suffix('.txt').as_posix()}"
+
+
 def site_pages(results: Path, record: Record) -> dict[str, str]:
     """Return the text of each page by its place in the report."""
     claims, equations, errata, declared = (
@@ -153,6 +171,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "first_claims": FIRST_CLAIMS,
         "first": [by_name[name] for name in FIRST if name in by_name] or shown[: len(FIRST)],
         "prose": prose,
+        "code_copy": code_copy,
         "names": {figure.name for figure in shown},
         "label": label,
         "evidence": sorted(evidence.items(), key=lambda item: (-item[1], item[0])),
@@ -169,6 +188,9 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     }
     parts = common["results"], common["shares"], common["amendments"]
     commit = str(record.git.get("commit") or "") or None
+    functions = [name for row in claims for name in row["code"].split()]
+    functions += [row["function"] for row in equations if row["function"]]
+    functions += [name for figure in shown for name in (figure.drawing, figure.analysis)]
     return (
         pages
         | {
@@ -180,16 +202,8 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
             ),
         }
         | _figure_pages(shown, common)
+        | {code_copy(n): (SOURCES / code_module(n)).read_text(encoding="utf-8") for n in functions}
     )
-
-
-@cache
-def definitions() -> dict[str, str]:
-    """Return the meaning of every term and class of evidence, by name."""
-    meanings = load(TEMPLATES / "glossary.yaml") | {
-        name: f"Of a number: {meaning}." for name, meaning in EVIDENCE.items()
-    }
-    return dict(sorted(meanings.items(), key=lambda item: item[0].lower()))
 
 
 def _figure_pages(shown: Sequence[Figure], common: Mapping[str, Any]) -> dict[str, str]:

@@ -29,6 +29,8 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
+from study.report.site.glossary import marked
+
 HERE = Path(__file__).parent
 TEMPLATES = HERE / "templates"
 ASSETS = HERE / "assets"
@@ -65,7 +67,8 @@ def render(template_name: str, *, templates: Path | None = None, **context: Any)
     jinja2.UndefinedError
         If the template shows something that is not given.
     """
-    return _environment(templates).get_template(template_name).render(**context)
+    text = _environment(templates).get_template(template_name).render(**context)
+    return text if template_name == "glossary.html" else marked(text, context.get("root", ""))
 
 
 @cache
