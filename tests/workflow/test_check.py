@@ -58,7 +58,7 @@ def test_the_rule_passes_and_fails_with_the_check(checked):
         ):
             done = checked.snakemake("check", *SMALL, check=False)
     assert done.returncode
-    assert "Figures: none\nTables: inputs\n" in done.text
+    assert "Tables: inputs\nData: none\nFigures: none\n" in done.text
     log = (checked.root / OUT / "logs/check.log").read_text()
     assert "config, seed" in log
 
@@ -85,11 +85,11 @@ def test_each_small_change_is_seen_in_its_figures_and_tables_alone(checked):
         checked.snakemake(*TARGETS, *SMALL)
         done = microimpact(checked, "check", OUT)
     assert done.returncode == 1, done.text
-    figures, tables = (
+    tables, data, figures = (
         set(re.search(rf"^{kind}: (.*)$", done.stdout, flags=re.MULTILINE)[1].split(", "))
-        for kind in ("Figures", "Tables")
+        for kind in ("Tables", "Data", "Figures")
     )
-    assert figures == {"fig14", "fig17", "fig20", "posterior_bands", "doppler_pairs"}
+    assert data | figures == {"fig14", "fig17", "fig20", "posterior_bands", "doppler_pairs"}
     assert "config, restitution_trends.body_speed_m_per_s" in done.stdout
     assert re.search(r"\| value +\| 30 +\| 30\.03 +\| 1\.0e-03 +\|", done.stdout)
     calibrated = {"calibration", "force_ratios", "molybdenum_capture"}

@@ -31,20 +31,20 @@ _few_option = click.option(
 @_few_option
 def check_command(results: Path, reference: Path, few: int) -> None:
     """Compare the tables, data and figures in RESULTS with committed references."""
-    from study.report.check.results import drawn_from, table_files
-    from study.report.check.verify import concerned, require_same_settings, verify
-    from study.report.check.wording import markdown
+    from study.report.check.differences import markdown
+    from study.report.check.results import TABLE_FOLDERS, table_files
+    from study.report.check.verify import require_same_settings, verify
 
-    require_same_settings(results, reference)
     differences = verify(results, reference)
+    require_same_settings(differences)
     if not differences:
         click.echo(f"{results}: {len(table_files(results))} files agree with {reference}")
         return
-    figures, tables = concerned(differences, drawn_from())
     click.echo(f"{results} differs from {reference}")
-    click.echo(f"Figures: {', '.join(figures) or 'none'}")
-    click.echo(f"Tables: {', '.join(tables) or 'none'}\n")
-    click.echo(markdown(differences, few))
+    for folder in TABLE_FOLDERS:
+        names = {Path(d.file).stem for d in differences if d.file.startswith(f"{folder}/")}
+        click.echo(f"{folder.capitalize()}: {', '.join(sorted(names)) or 'none'}")
+    click.echo(f"\n{markdown(differences, few)}")
     raise SystemExit(1)
 
 
@@ -55,8 +55,8 @@ def check_command(results: Path, reference: Path, few: int) -> None:
 @click.option("--remove", is_flag=True, help="Drop references of files that RESULTS lacks.")
 def reference_command(results: Path, reference: Path, few: int, remove: bool) -> None:
     """Show how RESULTS differs from the references, then make it the reference."""
+    from study.report.check.differences import markdown
     from study.report.check.verify import renew, verify
-    from study.report.check.wording import markdown
 
     reference.mkdir(parents=True, exist_ok=True)
     differences = verify(results, reference)

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import ValidationError
 
-from microimpact.core.materials import declared_file
-from study.declared.documents import load
 from study.declared.parameters import build, explain
 from study.tables import require_whole_rows
 
@@ -27,7 +25,7 @@ TABLE_FOLDERS = ("tables", "data", "figures")
 INPUTS = "tables/inputs.csv"
 CLAIMS = "tables/claims.csv"
 
-# Columns that name a row, where they are not simply all columns of text.
+# Columns that name a row of a table, or of those in a folder; else all columns of text do.
 KEYS = {
     INPUTS: ("file", "key"),
     CLAIMS: ("id",),
@@ -90,11 +88,6 @@ def figure_files(root: Path) -> dict[str, Path]:
     return {path.stem: path for path in paths if not path.name.startswith(".")}
 
 
-def key_columns(name: str) -> tuple[str, ...]:
-    """Return the columns that name a row of a table; none if its columns of text do."""
-    return next((keys for start, keys in KEYS.items() if name.startswith(start)), ())
-
-
 def read_cells(path: Path) -> pd.DataFrame:
     """Read a CSV table as text, every cell as in the file.
 
@@ -145,9 +138,3 @@ def built(kind: type[T], content: Mapping[str, Any], where: str) -> T:
     except ValidationError as error:
         lines = explain(error, kind, "")
         raise ResultsError("\n".join(f"{where}: {line}" for line in lines)) from None
-
-
-def drawn_from() -> dict[str, tuple[str, ...]]:
-    """Return for every figure of the registry the tables of figure data it is drawn from."""
-    entries = load(declared_file("figures.yaml"))
-    return {name: tuple(entry["data"]) for name, entry in entries.items()}
