@@ -6,7 +6,6 @@ In the configuration a number is written as ``{value: 62, evidence: printed, sou
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -155,11 +154,3 @@ def unit_of(key: str) -> str:
 def as_text(value: object) -> str:
     """Return a value as in a table: the same for 30 and 30.0."""
     return repr(value).removesuffix(".0") if isinstance(value, float) else str(value)
-
-
-def finite_number(text: str) -> bool:
-    """Tell whether a text reads as a finite number."""
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False

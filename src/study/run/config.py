@@ -138,7 +138,7 @@ def validate(
         raise ConfigError("\n".join([*resolver.problems, *_others(problems, resolver.problems)]))
     resolver.declare("printed", tables.printed())
     resolver.declare("contacts", tables.pairs())
-    cases = [*config["cases"], *tables.contacts.known("particle", "surface")]
+    cases = [*config["cases"], *tables.contacts.names]
     check.known = Known({**tables.names(), "cases": ("cases", cases), **_inferred(config)})
     laboratory = check.sections(Laboratory, SECTIONS)
     stands = {row.key: row.origin or row.key for row in resolver.rows}
@@ -297,7 +297,7 @@ def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:
 def _unprinted(name: str, table: DeclaredTable) -> Iterator[str]:
     """Yield a line for each printed value that a study reads and the table lacks."""
     for key in studies.printed(name):
-        if key not in table.known("key"):
+        if key not in table.names:
             yield f"{table.path}: {key}: missing; {name} reads it"
 
 
@@ -347,7 +347,7 @@ def _tables(resolver: Resolver, problems: list[str]) -> DeclaredTables | None:
     problems += missing
     try:
         usable = not missing and all(isinstance(path, str) for path in paths.values())
-        return read_all(*paths.values()) if usable else None
+        return read_all(paths) if usable else None
     except (ValueError, OSError) as error:
         problems.append(str(error))
         return None

@@ -74,14 +74,13 @@ def test_units_in_names(key, unit):
 
 
 def test_only_named_rows_are_selected(tmp_path):
-    header = ",".join(selection.MATERIAL_COLUMNS)
+    header = "material,property,value,unit,low,high,evidence,source"
     steel = 'steel,density,8000,kg/m3,,,found,"data, sheet"'
     silicon = "silicon,density,2330,kg/m3,2320,2340,textbook,handbook"
     path = tmp_path / "materials.csv"
     path.write_text("\n".join([header, steel, silicon, ""]))
-    numbers = ("value", "low", "high")
-    table = selection.read_declared(str(path), selection.MATERIAL_COLUMNS, numbers)
-    assert table.where({"steel"}, "material") == f"{header}\n{steel}\n"
+    table = selection.read_declared(str(path), "materials")
+    assert table.text({"steel"}) == f"{header}\n{steel}\n"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,9 +102,8 @@ BODIES = {"steel-formica": ("stainless-steel-316", "formica")}
 
 @pytest.fixture(scope="module")
 def declared():
-    root = ROOT / "config"
-    files = ("materials.csv", "contacts.csv", "printed_values.csv", "external.csv")
-    return selection.read_all(*(str(root / name) for name in files))
+    paths = {name: str(ROOT / f"config/{name}.csv") for name in selection.TABLES}
+    return selection.read_all(paths)
 
 
 def known(declared):
