@@ -219,7 +219,6 @@ def write_stamp(ended=None):
         STARTED,
         ended=ended,
         outdated=others,
-        declared=SETTINGS.declared,
         files=stamp.checksums({key: getattr(SETTINGS.general, key) for key in FILES}),
     )
     return others

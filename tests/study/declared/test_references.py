@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import pytest
 
-from study.declared.parameters import Seed, Stream
+from study.declared.parameters import Seed
 from study.declared.references import Resolver, merged
 
 
@@ -196,7 +196,7 @@ def test_every_analysis_draws_from_the_root_seed_by_its_name():
     assert seeds() == [one, other]
     assert not {one, other} & set(seeds(root=8))
     assert seeds(own={"seed": 3}) == [3, other]
-    shared = make_dataclass("Shared", [("seed", Annotated[int, Stream("both")])])
+    shared = make_dataclass("Shared", [("seed", Annotated[int, "both"])])
     assert len(set(seeds(kind=shared))) == 1
     resolver, _ = resolved()
     assert row(resolver, "study.seed").evidence == "derived"
