@@ -49,7 +49,7 @@ PositiveRange = bounds.PositiveRange
 class Known:
     """Names that references may use, and those used so far."""
 
-    names: Mapping[str, tuple[str, Iterable[str]]]  # By sort: where it is declared, and the names
+    names: dict[str, tuple[str, set[str]]]  # By sort: where it is declared, and the names
     named: list[tuple[str, str]] = field(default_factory=list)  # Sort and name, in order
 
 

@@ -37,17 +37,6 @@ def test_numbers_survive_the_way_to_disk_and_back(tmp_path):
     assert [p.name for p in path.parent.iterdir()] == ["table.csv"]
 
 
-def test_a_wrong_unit_column_is_named(tmp_path):
-    frame = tables.series_frame(
-        panel="p", series="s", evidence="computed", x=[1, 2], y=3, x_unit="rad", y_unit="1"
-    )
-    assert len(frame) == 2
-    path = tmp_path / "fig99.csv"
-    tables.write_table(frame, path)
-    with pytest.raises(tables.TableError, match=r"fig99\.csv: column 'x_deg' is missing, column"):
-        tables.read_table(path, tables.figure_columns("deg", "1"))
-
-
 def test_unknown_evidence_is_refused():
     with pytest.raises(ValueError, match="evidence: 'guessed' must be one of"):
         tables.series_frame(

@@ -110,7 +110,7 @@ def test_all_problems_are_listed():
 def test_a_missing_key_and_a_missing_branch_are_named():
     config = changed()
     del config["coulomb_friction"]["points"], config["restitution_trends"]
-    assert lines(config) == ["coulomb_friction.points: missing", "restitution_trends: missing"]
+    assert lines(config) == ["restitution_trends: missing", "coulomb_friction.points: missing"]
 
 
 def declared(config, key):
