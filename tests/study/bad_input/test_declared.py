@@ -178,6 +178,12 @@ BYTES = [
 OVERLAYS = [
     ({"force_history": {"diameter_um": 4, "9": None}}, ["force_history.9: unknown key (known here: angle_deg,"]),  # {diameter_um: 4,9}
     ({"nonsense": None}, ["nonsense: unknown key"]),
+    ({"coulomb_friction": {"spin_friction": "0.3"}}, ["coulomb_friction.spin_friction: '0.3' must be a valid number (it is text: write it without quotes"]),
+    ({"pathvars": {"reslts": "x"}}, ["pathvars.reslts: unknown key (did you mean 'results'?)"]),
+    ({"restitution_trends": {"largest_speed_m_per_s": 0.5}}, ["restitution_trends.largest_speed_m_per_s: 0.5 must be above capture_speed_m_per_s, 1"]),
+    ({"rival_explanations": {"slow_speed_m_per_s": 0.21}}, ["rival_explanations.slow_speed_m_per_s: 0.21 must be one of pile_up.speeds_m_per_s ["]),
+    ({"coulomb_friction": {"points": {"value": 9, "evidence": "chosen"}}}, ["coulomb_friction.points.source: None must say where"]),
+    ({"coulomb_friction": {"points": {"value": 9, "values": [9], "evidence": "chosen", "source": "x"}}}, ["coulomb_friction.points: give either value (one) or values"]),
     ({"particles": None}, ["particles: missing"]),
     ({"particles": {"SST77": None}}, ["particles.SST77: None must be a mapping"]),
     ({"particles": {"SST77": {"particle": "glass", "particle_slope": 0.1}}}, [f"particles.SST77.{key}: changes nothing: no analysis names it" for key in ("particle", "particle_slope")]),
