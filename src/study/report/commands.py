@@ -20,16 +20,12 @@ _folder = click.Path(path_type=Path)
 _reference_option = click.option(
     "--reference", type=_folder, default=REFERENCE, show_default=True, help="Committed references."
 )
-_few_option = click.option(
-    "--few", type=click.IntRange(min=1), default=5, show_default=True, help="Shown per file."
-)
 
 
 @click.command("check")
 @click.argument("results", type=_folder)
 @_reference_option
-@_few_option
-def check_command(results: Path, reference: Path, few: int) -> None:
+def check_command(results: Path, reference: Path) -> None:
     """Compare the tables, data and figures in RESULTS with committed references."""
     from study.report.check.differences import markdown
     from study.report.check.results import TABLE_FOLDERS, table_files
@@ -44,16 +40,15 @@ def check_command(results: Path, reference: Path, few: int) -> None:
     for folder in TABLE_FOLDERS:
         names = {Path(d.file).stem for d in differences if d.file.startswith(f"{folder}/")}
         click.echo(f"{folder.capitalize()}: {', '.join(sorted(names)) or 'none'}")
-    click.echo(f"\n{markdown(differences, few)}")
+    click.echo(f"\n{markdown(differences)}")
     raise SystemExit(1)
 
 
 @click.command("reference")
 @click.argument("results", type=_folder)
 @_reference_option
-@_few_option
 @click.option("--remove", is_flag=True, help="Drop references of files that RESULTS lacks.")
-def reference_command(results: Path, reference: Path, few: int, remove: bool) -> None:
+def reference_command(results: Path, reference: Path, *, remove: bool) -> None:
     """Show how RESULTS differs from the references, then make it the reference."""
     from study.report.check.differences import markdown
     from study.report.check.verify import renew, verify
@@ -61,7 +56,7 @@ def reference_command(results: Path, reference: Path, few: int, remove: bool) ->
     reference.mkdir(parents=True, exist_ok=True)
     differences = verify(results, reference)
     if differences:
-        click.echo(markdown(differences, few) + "\n")
+        click.echo(markdown(differences) + "\n")
     changed = renew(results, reference, differences, remove=remove)
     click.echo(f"{reference}: {len(changed)} files changed")
 
@@ -70,16 +65,15 @@ def reference_command(results: Path, reference: Path, few: int, remove: bool) ->
 @click.argument("baseline", type=_folder)
 @click.argument("changed", type=_folder)
 @click.option("--html", type=_folder, help="Write a page with figures side by side, too.")
-@_few_option
-def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) -> None:
+def compare_command(baseline: Path, changed: Path, html: Path | None) -> None:
     """Compare inputs, numbers, verdicts and figures of two results folders."""
     from microimpact.core.files import write_file
     from study.report.check.compare import as_text, compare, page
 
     changes = compare(baseline, changed)
-    click.echo(as_text(changes, few))
+    click.echo(as_text(changes))
     if html:
-        write_file(html, page(changes, few))
+        write_file(html, page(changes))
         click.echo(f"\nPage: {html}")
     if not changes.same:
         raise SystemExit(1)
@@ -148,11 +142,7 @@ def report_command(results: Path) -> None:
 
 @click.command("pages")
 @click.argument("results", type=_folder, default=FULL)
-@click.option("--docs", type=_folder, default=Path("docs"), show_default=True, help="Of the pages.")
-@click.option(
-    "--tables", type=_folder, default=FULL, show_default=True, help="Where tables are kept."
-)
-def pages_command(results: Path, docs: Path, tables: Path) -> None:
+def pages_command(results: Path) -> None:
     """Write the pages of the documentation whose numbers come from RESULTS, a full run.
 
     Without RESULTS, the pages are written again from the tables that are kept.
@@ -160,7 +150,7 @@ def pages_command(results: Path, docs: Path, tables: Path) -> None:
     from microimpact.core.materials import declared_file
     from study.report.documents import renew
 
-    changed = renew(results, docs, declared_file("claims.yaml"), tables)
+    changed = renew(results, Path("docs"), declared_file("claims.yaml"), FULL)
     click.echo("\n".join(map(str, changed)) or "no page changes")
 
 

@@ -71,6 +71,8 @@ CASES = [
     (POINTS, "1.0,0.5,0.4,0.6", "1.0,50,40,60", ["fig14.csv, line 5, y: 50 is far off the axis of 'trends', 0 to 1.05"]),
     # references
     (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["schematics.rebound.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
+    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: track_imaging.angles_deg}", ["schematics.rebound.speed_m_per_s.from: 'track_imaging.angles_deg' is not declared"]),
+    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: 3}", ["schematics.rebound.speed_m_per_s.from: '3' is not declared"]),
     (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: surfaces.Formica}", ["schematics.rebound.speed_m_per_s.from: no speed_m_per_s in surfaces.Formica"]),
     (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, valu: 3}", ["schematics.rebound.speed_m_per_s.valu: unknown key"]),
     (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, value: -3}", ["schematics.rebound.speed_m_per_s: -3"]),

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, make_dataclass
 from typing import Annotated, Literal
 
-import pytest
-
 from study.declared.parameters import Seed
 from study.declared.references import Resolver, merged
 
@@ -159,27 +157,6 @@ def test_a_declaration_is_replaced_as_a_whole():
     assert merged({"a": [1, 2]}, {"a": [3]}) == {"a": [3]}
     assert merged({"a": {"from": "x"}}, {"a": {"from": "y"}}) == {"a": {"from": "y"}}
     assert old == {"a": given(1), "b": given(2)}
-
-
-@pytest.mark.parametrize(
-    ("reference", "line"),
-    [
-        ("speeds.fats, 1", "'speeds.fats, 1' is not declared (did you mean 'fast, 1'?)"),
-        ("speds.fast", "'speds.fast' is not declared (did you mean 'speeds'?)"),
-        ("spins.none", "no fast_m_per_s in spins.none (known here: mean, sd)"),
-        ("study.range_m_per_s", "'study.range_m_per_s' is not declared"),
-        (3, "'3' is not declared"),
-    ],
-)
-def test_a_reference_to_nothing_is_one_line(reference, line):
-    resolver, _ = resolved({"study": {"fast_m_per_s": {"from": reference}}})
-    (told,) = resolver.problems
-    assert told.startswith(f"study.fast_m_per_s.from: {line}")
-
-
-def test_a_place_that_names_itself_is_refused():
-    resolver, _ = resolved({"steel": {"from": ["steel.spin"]}})
-    assert resolver.problems[0] == "steel.from: 'steel.spin' refers to itself"
 
 
 def test_every_analysis_draws_from_the_root_seed_by_its_name():

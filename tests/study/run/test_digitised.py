@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +10,8 @@ from tests.shared import ROOT
 
 from study.declared.documents import ConfigError, load
 from study.figures.registry import registry
-from study.run.digitised import as_rows, overlaid, read_folder, read_points
-from study.tables import parse_table, points_series, series_frame
+from study.run.digitised import as_rows, read_folder, read_points
+from study.tables import parse_table, points_series
 
 CONFIG = ROOT / "config"
 HEADER = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\n"
@@ -81,6 +80,8 @@ def test_the_panel_stands_before_the_name(read):
     assert list(table["series"]) == [points_series("digitised", name) for name in ("a: b", "a")]
     # An enlarged view belongs to the panel it shows.
     assert list(read(TOP + "dips: a,1,1,,\n", "fig20").table["panel"]) == ["force"]
+    # An axis may begin below zero.
+    assert read(TOP + "normal: a,-1,-0.2,,\n", "fig24").table["x"].item() == -1.0
 
 
 @pytest.mark.parametrize("name", ["<script>alert(1)</script>", "$x", "5", "true"])
@@ -143,10 +144,6 @@ def test_a_series_must_fit_its_figure(read, row, figure, message):
         read(TOP + row, figure)
 
 
-def test_a_point_below_zero_is_one_where_the_axis_begins_there(read):
-    assert read(TOP + "normal: a,-1,-0.2,,\n", "fig24").table["x"].item() == -1.0
-
-
 def test_all_problems_come_together_and_of_many_the_first(read):
     with pytest.raises(ConfigError) as caught:
         read("# x: y\n" + TOP + "a,1,y,,\na,x,1,,\n")
@@ -203,23 +200,3 @@ def test_the_shipped_folder_holds_no_points_and_its_example_is_one(figures, read
     (example,) = re.findall(r"^```csv\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)
     assert "made up" in example
     assert len(read(example, "fig16").table) == 3
-
-
-def test_figure_data_get_the_points_as_rows_of_their_own(read, figures):
-    points = read(TOP + "R,1,2,1,3\n")
-    # a series of the same name as a computed one stays apart from it
-    own = series_frame(
-        panel="trends", series="R", evidence="computed", x=[1, 2], y=1, x_unit="m_per_s", y_unit="1"
-    )
-    table = overlaid({"fig14": own}, figures["fig14"], points)["fig14"]
-    assert list(table.columns) == list(own.columns)
-    assert list(table["series"]) == ["R", "R", points_series("digitised", "R")]
-    assert list(table["evidence"]) == ["computed", "computed", "digitised"]
-    assert table.iloc[2, 3:].tolist() == [1.0, 2.0, 1.0, 3.0]
-
-
-def test_a_study_is_given_the_points_of_its_figures_alone(read):
-    points = read(TOP + ROW)
-    both = {"fig14": points, "fig16": replace(points, figure="fig16")}
-    assert as_rows({}, ["fig15"]) == as_rows(both, ["fig15"]) == {}
-    assert list(parse_table(as_rows(both, ["fig16"])["digitised"])["figure"]) == ["fig16"]

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from study.report.check.differences import (
+    FEW,
     Difference,
     by_file,
     cells,
@@ -43,8 +44,8 @@ MARKED = "changed_inputs"
 BEHIND = {"tables/claim_shares.csv": "share", "tables/claim_results.csv": "value"}
 # Digits of a checksum that are shown.
 SHORT = 12
-# Characters of a cell in the page, and parts of a figure that are named.
-WIDTH, FEW = 120, 5
+# Characters of a cell in the page.
+WIDTH = 120
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,13 +72,14 @@ class Changes:
         """Whether both runs gave the same."""
         return not (self.inputs or self.verdicts or self.numbers or self.figures)
 
-    def sections(self, few: int) -> list[tuple[str, Sequence[Difference], int]]:
+    @property
+    def sections(self) -> list[tuple[str, Sequence[Difference], int]]:
         """Title, differences and how many are shown; inputs and verdicts are shown all."""
         return [
             ("Runs", self.runs, len(self.runs)),
             ("Inputs", self.inputs, len(self.inputs)),
             ("Verdicts", self.verdicts, len(self.verdicts)),
-            ("Numbers", self.numbers, few),
+            ("Numbers", self.numbers, FEW),
         ]
 
 
@@ -200,13 +202,13 @@ def _line(row: str, *values: object) -> Difference:
     )
 
 
-def as_text(changes: Changes, few: int = 5) -> str:
+def as_text(changes: Changes) -> str:
     """Return the changes as Markdown."""
     parts = [f"# {changes.baseline} (baseline) and {changes.changed} (changed)"]
     parts += [f"{len(n)} files were not built in {root}." for root, n in changes.not_built.items()]
     if changes.same:
         parts.append(SAME)
-    for title, differences, shown in changes.sections(few):
+    for title, differences, shown in changes.sections:
         if differences:
             parts += [f"## {title}", markdown(differences, shown, names=SIDES)]
     if changes.figures:
@@ -222,14 +224,8 @@ def _words(figure: Sequence[Difference]) -> str:
     return f"{summary(figure)} ({', '.join(names[:FEW])}{more})" if names else UNSEEN
 
 
-def page(changes: Changes, few: int = 20) -> str:
-    """Return the changes as one HTML page that needs nothing else, figures side by side.
-
-    Parameters
-    ----------
-    few
-        How many differences of each kind are shown per table of numbers.
-    """
+def page(changes: Changes) -> str:
+    """Return the changes as one HTML page that needs nothing else, figures side by side."""
 
     def rows(differences: Sequence[Difference], shown: int) -> list[tuple[str, ...]]:
         return [cells(difference, WIDTH) for difference in worst(differences, shown)]
@@ -248,7 +244,7 @@ def page(changes: Changes, few: int = 20) -> str:
                     for file, d in by_file(members).items()
                 ],
             )
-            for title, members, shown in changes.sections(few)
+            for title, members, shown in changes.sections
             if members
         ],
         figures={name: _words(figure) for name, figure in changes.figures.items()},

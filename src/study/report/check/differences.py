@@ -30,8 +30,8 @@ Kind = Literal[
 ]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 HEADER = ("row", "column", "reference", "result", "relative")
-# Characters of a cell; the name of a row is never cut.
-WIDTH = 60
+# Differences of each kind that are shown, and characters of a cell; the name of a row is never cut.
+FEW, WIDTH = 5, 60
 
 # Keys of a row, and its number among the rows of these keys.
 RowName: TypeAlias = tuple[tuple[str, ...], int]
@@ -219,7 +219,7 @@ def cells(difference: Difference, width: int = WIDTH) -> tuple[str, ...]:
 
 
 def markdown(
-    differences: Iterable[Difference], few: int, *, names: tuple[str, str] = HEADER[2:4]
+    differences: Iterable[Difference], few: int = FEW, *, names: tuple[str, str] = HEADER[2:4]
 ) -> str:
     """Return the differences as Markdown: a heading per file, and a table of the worst.
 
