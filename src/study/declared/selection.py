@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping
@@ -45,13 +46,14 @@ def _evidence(text: str) -> str:
 
 
 def _numbers(text: str) -> str:
-    for number in re.split("; | to ", text) if text else ():
-        if _number(number) in (number, None):
+    for part in re.split("; | to ", text) if text else ():
+        number = _number(part)
+        if not isinstance(number, float) or not math.isfinite(number):
             raise ValueError(f"{text!r} must be numbers, as 49; 62 or 15 to 85, or empty")
     return text
 
 
-def _number(text: str) -> int | float | str | None:
+def _number(text: str) -> float | str | None:
     """Return a number, None for an empty text, and any other text unchanged."""
     try:
         return float(text) if text.strip() else None
