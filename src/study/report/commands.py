@@ -114,14 +114,11 @@ def claim_command(
 
 @click.command("crate")
 @click.argument("results", type=_folder)
-@click.option(
-    "--project", type=_folder, default=Path(), show_default=True, help="Folder of the Snakefile."
-)
-def crate_command(results: Path, project: Path) -> None:
+def crate_command(results: Path) -> None:
     """Describe the run in RESULTS as a Workflow Run RO-Crate: RESULTS/ro-crate-metadata.json."""
     from study.report.crate import write_crate
 
-    click.echo(f"Crate: {write_crate(results, project)}")
+    click.echo(f"Crate: {write_crate(results, Path())}")
 
 
 @click.command("report")
