@@ -90,12 +90,6 @@ def test_changes_rerun_their_chains_and_nothing_else(project, tmp_path, edits, o
     ("path", "edit", "reruns", "spares"),
     [
         (
-            "src/study/figures/models/curves.py",
-            commented,
-            {"restitution_trends_figures", "coulomb_friction_figures"},
-            {"coulomb_friction", "declared_inputs"},
-        ),
-        (
             "src/microimpact/model/rigid_body/algebra.py",
             commented,
             RULES_OF["coulomb_friction"],
