@@ -89,7 +89,7 @@ docs: .venv/.test ## build the guide and the reference of the package into build
 	@.venv/bin/sphinx-build -W --keep-going -q -d build/doctrees docs build/docs
 	@echo "Open build/docs/index.html"
 
-test-slurm: .venv/.test .venv-slurm/.slurm ## run a part of the study through a real Slurm on this machine
+test-slurm: .venv/.test .venv/.compiled .venv-slurm/.slurm ## run a part of the study through a real Slurm on this machine
 	@PATH="$$PATH:/usr/sbin"; for program in munged slurmctld slurmd sbatch; do \
 		command -v $$program > /dev/null && continue; \
 		{ [ "$$(id -u)" = 0 ] && apt-get update -q && apt-get install -q -y slurm-wlm munge; } \

@@ -3,14 +3,11 @@
 import ast
 import os
 import sys
-from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 from tests.docs.blocks import blocks
 from tests.shared import ROOT, execute
-
-import microimpact
 
 SOURCE = ROOT / "src/microimpact"
 WATCHED = (
@@ -99,31 +96,23 @@ def call(tmp_path):
     return called
 
 
-def test_compiled_code_is_kept_where_the_environment_says(call, tmp_path):
-    place = tmp_path / "kept"
-    value, where, hits = call(NUMBA_CACHE_DIR=str(place))
+USERS_CACHE = {"NUMBA_CACHE_LOCATOR_CLASSES": "UserWideCacheLocator", "NUMBA_CACHE_DIR": ""}
+
+
+def test_compiled_code_is_kept_where_it_can_be(call, tmp_path):
+    value, where, hits = call(NUMBA_CACHE_DIR=str(tmp_path / "kept"))
     assert (value, hits) == ("4.0", "0")
-    assert where.startswith(str(place))
-    assert len(list(place.rglob("tiny.twice*.nbi"))) == 1
+    assert where.startswith(str(tmp_path / "kept"))
     # Another process compiles nothing.
-    assert call(NUMBA_CACHE_DIR=str(place)) == ["4.0", where, "1"]
-
-
-def test_an_installation_for_reading_keeps_it_in_the_users_cache(call, tmp_path):
+    assert call(NUMBA_CACHE_DIR=str(tmp_path / "kept")) == ["4.0", where, "1"]
     # As where the source's folder cannot be written (which does not hinder a superuser).
-    environment = {"NUMBA_CACHE_LOCATOR_CLASSES": "UserWideCacheLocator", "NUMBA_CACHE_DIR": ""}
-    environment |= {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
-    _, where, hits = call(**environment)
-    assert (hits, Path(where).is_relative_to(tmp_path / "cache")) == ("0", True)
-    assert len(list(Path(where).glob("tiny.twice*.nbi"))) == 1
-
-
-def test_nowhere_to_keep_compiled_code_is_no_error(call, tmp_path):
+    places = {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    assert Path(call(**USERS_CACHE, **places)[1]).is_relative_to(tmp_path / "cache")
+    # Nowhere to keep it is no error.
     blocked = tmp_path / "home"
     blocked.write_text("not a folder")
-    environment = {"NUMBA_CACHE_LOCATOR_CLASSES": "UserWideCacheLocator", "NUMBA_CACHE_DIR": ""}
-    environment |= {"HOME": str(blocked), "XDG_CACHE_HOME": str(blocked / "cache")}
-    assert call(**environment) == ["4.0", "None", "0"]
+    places = {"HOME": str(blocked), "XDG_CACHE_HOME": str(blocked / "cache")}
+    assert call(**USERS_CACHE, **places) == ["4.0", "None", "0"]
 
 
 def test_functions_of_the_model_are_kept():
@@ -248,18 +237,3 @@ def test_the_page_on_python_runs_with_the_physics_alone(tmp_path):
     examples = (path.read_text() for path in sorted((ROOT / "docs/examples").glob("*.py")))
     code += [text for text in examples if "matplotlib" not in text]
     run(f"import os\nos.chdir({str(tmp_path)!r})\n{ALONE}{chr(10).join(code)}")
-
-
-def test_with_the_physics_alone_its_help_is_whole():
-    run(
-        f"{ALONE}\n"
-        "import inspect\nimport pydoc\n"
-        "import microimpact\n"
-        "names = {name for name, _ in inspect.getmembers(microimpact)}\n"
-        "from microimpact import *\n"
-        "assert 'simulate' in pydoc.render_doc(microimpact) and names <= {*globals()}\n"
-    )
-
-
-def test_the_version_is_told():
-    assert microimpact.__version__ == version("microimpact")

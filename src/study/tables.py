@@ -159,8 +159,8 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.Dat
     Raises
     ------
     TableError
-        Naming the file and the missing, misnamed or unexpected columns, or the line that is cut or
-        has too many fields; also for a file that is no text.
+        Naming the file and the header, or the line that is cut or has too many fields; also for a
+        file that is no text.
     NotComputedError
         For a table of `not_computed`.
     """
@@ -170,8 +170,9 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.Dat
     except (UnicodeDecodeError, csv.Error) as error:
         raise TableError(f"{path}: no CSV table in UTF-8: {error}") from None
     table = computed(parse_table(text))
-    if columns is not None:
-        check_columns(list(table.columns), columns, str(path))
+    if columns is not None and list(table.columns) != list(columns):
+        names = f"{', '.join(table.columns)}; it must be {', '.join(columns)}"
+        raise TableError(f"{path}: the header is {names}")
     return table
 
 
@@ -217,15 +218,3 @@ def require_whole_rows(text: str, name: str) -> None:
             )
     if not text.endswith("\n"):
         raise TableError(f"{name}: cut short: its last line does not end")
-
-
-def check_columns(header: Sequence[str], expected: Sequence[str], name: str) -> None:
-    """Raise `TableError` unless the header is the expected one."""
-    if list(header) == list(expected):
-        return
-    missing = [column for column in expected if column not in header]
-    surplus = [column for column in header if column not in expected]
-    parts = [f"column {m!r} is missing" for m in missing]
-    parts += [f"column {s!r} is not expected" for s in surplus]
-    detail = ", ".join(parts) or f"columns are in another order than {', '.join(expected)}"
-    raise TableError(f"{name}: {detail}")

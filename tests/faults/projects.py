@@ -28,18 +28,13 @@ class Project:
     python: tuple[str, ...] = (sys.executable,)
     environment: dict[str, str] = field(default_factory=dict)
 
-    def command(self, *arguments, cores=1):
-        overlay = self.root / "place.yaml"
-        overlay.write_text(f"pathvars: {{results: {self.out!r}}}\n", encoding="utf-8")
-        configuration = ("--configfile", "config/ci.yaml", overlay.name)
-        program = (*self.python, "-m", "snakemake", "--cores", str(cores))
-        return [*program, *arguments, *configuration]
-
-    def start(self, *arguments, **how):
+    def start(self, *arguments, cores=1):
         """Start Snakemake as the head of a process group of its own."""
+        (self.root / "place.yaml").write_text(f"pathvars: {{results: {self.out!r}}}\n", "utf-8")
         inherited = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "MICRO"))}
+        command = (*self.python, "-m", "snakemake", "--cores", str(cores), *arguments)
         return subprocess.Popen(
-            self.command(*arguments, **how),
+            [*command, "--configfile", "config/ci.yaml", "place.yaml"],
             cwd=self.root,
             env=inherited | self.environment,
             stdin=subprocess.DEVNULL,
@@ -50,9 +45,9 @@ class Project:
             start_new_session=True,
         )
 
-    def run(self, *arguments, check=True, timeout=120, **how):
+    def run(self, *arguments, check=True, timeout=120, cores=1):
         """Run Snakemake to its end and return its words; whatever it started ends with it."""
-        process = self.start(*arguments, **how)
+        process = self.start(*arguments, cores=cores)
         try:
             text, _ = process.communicate(timeout=timeout)
         finally:

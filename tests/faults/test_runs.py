@@ -76,26 +76,3 @@ def test_a_run_is_locked_and_resumed_where_it_was_killed(project, undisturbed, e
     elsewhere.run("--unlock")
     elsewhere.run(*TARGETS)
     assert elsewhere.results() == undisturbed
-
-
-def test_jobs_end_with_the_run_that_was_killed(elsewhere):
-    run = elsewhere.start("--nolock", "ptis_accuracy")
-    folder = elsewhere.root / elsewhere.out
-    while not folder.exists():
-        assert run.poll() is None
-        time.sleep(0.02)
-    run.kill()
-    # The end of what all of them write to is the end of the last of them.
-    run.communicate(timeout=60)
-    assert not (folder / "figures/ptis_accuracy.svg").exists()
-
-
-def test_a_damaged_table_stops_its_readers_until_it_is_gone(undisturbed, elsewhere):
-    elsewhere.run(*TARGETS)
-    table = elsewhere.root / elsewhere.out / "data/fig17.csv"
-    table.write_bytes(b"".join(table.read_bytes().splitlines(keepends=True)[:-1]))
-    message = elsewhere.run("fig17", check=False)
-    assert f"coulomb_friction_figures: {table}: not as it was written: cut short" in message
-    table.unlink()
-    elsewhere.run(*TARGETS)
-    assert elsewhere.results() == undisturbed

@@ -26,11 +26,10 @@ def test_the_bytes_are_those_of_one_core(tmp_path):
     python = str(ROOT / ".venv-slurm/bin/python")
     local = copied(tmp_path / "project", python=(python,))
     local.run(*TARGETS, timeout=900)
-    with slurm_cluster() as cluster:
-        environment = dict(cluster.environment)
-        project = replace(local, out=str(tmp_path / "out"), environment=environment)
+    with slurm_cluster() as output:
+        project = replace(local, out=str(tmp_path / "out"), environment=output.environment)
         message = project.run(*ON_SLURM, *TARGETS, timeout=900)
-        jobs = cluster.output("squeue", "--states=all", "--noheader", "--format=%k|%T")
+        jobs = output("squeue", "--states=all", "--noheader", "--format=%k|%T")
     jobs = [line.strip() for line in jobs.splitlines()]
     assert {job.partition("|")[2] for job in jobs} == {"COMPLETED"}
     rules = [job.removeprefix("rule_").partition("_wildcards")[0] for job in jobs]

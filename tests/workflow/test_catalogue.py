@@ -1,11 +1,11 @@
-"""Uses that the workflow catalogue promises: as a module of another workflow, with a report."""
+"""Uses that the workflow catalogue promises: as a module of another workflow."""
 
 from __future__ import annotations
 
 import pytest
 import yaml
 from tests.shared import ROOT
-from tests.workflow.conftest import SMALL, Project
+from tests.workflow.conftest import Project
 
 from study.tables import read_table
 
@@ -43,14 +43,3 @@ def test_another_workflow_makes_one_figure_by_rules_and_inputs_of_its_own(elsewh
     assert set(series.size()) >= {7}
     again = elsewhere.snakemake("article_fig17", "--configfile", "mine.yaml")
     assert "Nothing to be done" in again.text
-
-
-def test_the_report_has_every_figure_with_its_caption(project, tmp_path):
-    project.snakemake(*SMALL, "--report", str(tmp_path / "report.html"))
-    report = (tmp_path / "report.html").read_text(encoding="utf-8")
-    for figure, entry in yaml.safe_load((ROOT / "config/figures.yaml").read_text()).items():
-        words = (entry["title"], entry.get("finding", entry["title"]))
-        shown = (
-            f"<strong>{figure}: {' '.join(each.split(' [[')[0].split()[:3])}" for each in words
-        )
-        assert any(each in report for each in shown), figure

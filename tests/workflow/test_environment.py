@@ -32,12 +32,6 @@ def make(folder, *arguments, **environment):
     return execute("make", *arguments, ".venv/.run", cwd=folder, env=environment, check=False)
 
 
-def test_a_link_to_the_project_is_no_other_place(clone, tmp_path):
-    link = tmp_path / "link"
-    link.symlink_to(clone)
-    assert "is up to date" in make(link).stdout
-
-
 def test_what_cannot_be_installed_leaves_the_old_environment(clone):
     (clone / ".venv/bin/old").touch()
     done = make(clone, PYTHON, "UV=", PIP_NO_INDEX="1", PIP_FIND_LINKS="")

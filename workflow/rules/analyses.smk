@@ -34,7 +34,7 @@ rule monte_carlo_part:
     """parts/*.csv: estimates of some of the variants and angles, until all are gathered."""
     input:
         **tables("calibration"),
-        samples=sample_files("monte_carlo"),
+        samples=sample_files(SETTINGS.branches["monte_carlo"]),
     output:
         part=temp("<results>/parts/monte_carlo-{scatteritem}.csv"),
     log:
@@ -51,7 +51,7 @@ use rule study as monte_carlo with:
     """data/fig23.csv; tables/monte_carlo*.csv and slope_inference.csv."""
     input:
         **tables("calibration"),
-        samples=sample_files("monte_carlo"),
+        samples=sample_files(SETTINGS.branches["monte_carlo"]),
         # A single part is made at once.
         parts=MONTE_CARLO_PARTS[1:] and MONTE_CARLO_PARTS,
     output:

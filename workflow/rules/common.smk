@@ -93,19 +93,12 @@ def data(*names):
     return {name: f"<results>/data/{name}.csv" for name in names}
 
 
-def sample_files(study):
-    """Return the files of measured values that a study draws from."""
-    return list(_sample_files(SETTINGS.branches[study]))
-
-
-def _sample_files(node):
+def sample_files(node):
+    """Return the files of measured values that a branch of the configuration draws from."""
     if isinstance(node, dict):
-        if node.get("kind") == "sample_file":
-            yield node["path"]
-        node = list(node.values())
-    if isinstance(node, list):
-        for item in node:
-            yield from _sample_files(item)
+        files = [node["path"]] if node.get("kind") == "sample_file" else []
+        return files + sample_files(list(node.values()))
+    return [path for item in node for path in sample_files(item)] if isinstance(node, list) else []
 
 
 def parameters(study):
@@ -136,7 +129,7 @@ def digest_of_inputs(*names):
             texts += [Path(DIGITISED[name].path).read_text()] if name in DIGITISED else []
         else:
             texts += [SETTINGS.branches[name], INPUTS.rows[name]]
-            texts += [Path(path).read_text() for path in sample_files(name)]
+            texts += [Path(path).read_text() for path in sample_files(SETTINGS.branches[name])]
             texts += [digest_of_inputs(maker) for maker in sorted({*studies.needs(name).values()})]
     return closure.digest(json.dumps(texts))
 
@@ -196,7 +189,6 @@ def write_stamp(ended=None):
         STARTED,
         ended=ended,
         outdated=others,
-        declared=SETTINGS.declared,
         files=stamp.checksums({key: getattr(SETTINGS.general, key) for key in FILES}),
     )
     return others

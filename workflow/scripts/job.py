@@ -53,8 +53,8 @@ def logged(main: Callable[[Any], str], job: Any) -> int:
         Exit code: 0, or 1 after a failure, which is also told in one line.
     """
     log = Path(job.log[0])
+    root = log.parents[[folder.name for folder in log.parents].index(LOGS) + 1]
     try:
-        root = results_root(log)
         require_unaltered(root, job.input)
         remove_checksums(root, job.output)
         account = main(job)
@@ -62,27 +62,9 @@ def logged(main: Callable[[Any], str], job: Any) -> int:
         write_file(log, account)
     except Exception as error:
         sys.stderr.write(f"{job.rule}: {error}\n")
-        _log_failure(log)
+        try:
+            write_file(log, traceback.format_exc())
+        except OSError as failure:  # the disk that fails the job may fail its log
+            sys.stderr.write(f"{failure}\n")
         return 1
     return 0
-
-
-def results_root(log: Path) -> Path:
-    """Return the results root that a log stands in, at any depth of its folder ``logs``.
-
-    Raises
-    ------
-    ValueError
-        If the log stands in no such folder.
-    """
-    for folder in log.parents:
-        if folder.name == LOGS:
-            return folder.parent
-    raise ValueError(f"{log}: a log must stand in the folder {LOGS} of the results")
-
-
-def _log_failure(log: Path) -> None:
-    try:
-        write_file(log, traceback.format_exc())
-    except OSError as error:  # the disk that fails the job may fail its log
-        sys.stderr.write(f"{error}\n")

@@ -136,17 +136,6 @@ def require_unaltered(root: Path, files: Iterable[Path | str]) -> None:
         )
 
 
-def altered_files(root: Path) -> list[Path]:
-    """Return the files below a results root that are still there, but not as they were recorded."""
-    folder = root / CHECKSUMS
-    paths = [
-        root / record.relative_to(folder).with_suffix("")
-        for record in sorted(folder.rglob("*.sha256"))
-        if not record.name.startswith(".")
-    ]
-    return [path for path in paths if path.is_file() and _is_altered(root, path)]
-
-
 def _record(root: Path, path: Path) -> Path:
     return root / CHECKSUMS / f"{path.relative_to(root).as_posix()}.sha256"
 

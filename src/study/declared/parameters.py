@@ -18,15 +18,14 @@ from functools import cache
 from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import (
+    AfterValidator,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
     TypeAdapter,
     ValidationError,
     ValidationInfo,
     with_config,
 )
-from pydantic_core import CoreSchema, core_schema
 
 from microimpact.core import bounds
 from microimpact.core.nearest import nearest
@@ -50,73 +49,49 @@ PositiveRange = bounds.PositiveRange
 class Known:
     """Names that references may use, and those used so far."""
 
-    names: Mapping[str, tuple[str, Iterable[str]]]  # By sort: where it is declared, and the names
+    names: dict[str, tuple[str, set[str]]]  # By sort: where it is declared, and the names
     named: list[tuple[str, str]] = field(default_factory=list)  # Sort and name, in order
 
 
-@dataclass(frozen=True, slots=True)
-class Names:
-    """Marks a text that names something declared: ``Annotated[str, Names("cases")]``.
+def Names(sort: str, beside: str = "") -> AfterValidator:
+    """Mark a text that names something declared: ``Annotated[str, Names("cases")]``.
 
     With the name of another field `beside` it, both together name it: ``one on other``.
     """
 
-    sort: str
-    beside: str = ""
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Check the name against the declared ones where they are known."""
-        return core_schema.with_info_wrap_validator_function(self._checked, handler(source))
-
-    def _checked(self, name: Any, handler: Callable[[Any], str], info: ValidationInfo) -> Any:
-        if info.context is None:
-            return handler(name)
-        where, known = info.context.names[self.sort]
-        if not isinstance(name, str):
-            likely = nearest(str(name), known)
-            raise ValueError(f"{name!r} must be a name that is declared in {where}{likely}")
-        name = handler(name)
-        if self.beside and self.beside not in info.data:  # refused with a line of its own
-            return name
-        full = f"{info.data.get(self.beside)} on {name}" if self.beside else name
-        if full not in known:
-            raise ValueError(f"{full!r} is not declared in {where}{nearest(full, known)}")
-        info.context.named.append((self.sort, full))
+    def checked(name: str, info: ValidationInfo) -> str:
+        # Of a pair whose other name is refused, with a line of its own, nothing can be said.
+        if info.context is not None and (not beside or beside in info.data):
+            where, known = info.context.names[sort]
+            full = f"{info.data[beside]} on {name}" if beside else name
+            if full not in known:
+                raise ValueError(f"{full!r} is not declared in {where}{nearest(full, known)}")
+            info.context.named.append((sort, full))
         return name
+
+    return AfterValidator(checked)
 
 
 _RELATIONS: dict[str, Callable[[Any, Any], bool]] = {
     "above": operator.gt,
-    "at least": operator.ge,
     "at most": operator.le,
     "one of": lambda value, allowed: value in allowed,
     "within": lambda value, ends: ends[0] <= value <= ends[1],
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Must:
-    """Marks a value by another field of the same dataclass, one that is declared before it.
+def Must(be: Literal["above", "at most", "one of", "within"], field: str) -> AfterValidator:
+    """Mark a value by another field of the same dataclass, one that is declared before it.
 
     ``Annotated[Positive, Must("above", "capture_speed_m_per_s")]``; `be` is the relation.
     """
 
-    be: Literal["above", "at least", "at most", "one of", "within"]
-    field: str
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Check the value where the other one was not refused."""
-        return core_schema.with_info_after_validator_function(self._checked, handler(source))
-
-    def _checked(self, value: Any, info: ValidationInfo) -> Any:
-        bound = info.data.get(self.field, value)
-        if self.field in info.data and not _RELATIONS[self.be](value, bound):
-            raise ValueError(f"{_text(value)} must be {self.be} {self.field}, {_text(bound)}")
+    def checked(value: Any, info: ValidationInfo) -> Any:
+        if field in info.data and not _RELATIONS[be](value, info.data[field]):
+            raise ValueError(f"{_text(value)} must be {be} {field}, {_text(info.data[field])}")
         return value
+
+    return AfterValidator(checked)
 
 
 def _text(value: Any) -> str:
@@ -139,16 +114,10 @@ ScenarioName = Annotated[Name, Names("scenarios")]
 LawName = Annotated[Name, Names("laws")]
 
 
-@dataclass(frozen=True, slots=True)
-class Stream:
-    """Marks a seed that several analyses share, where none of them has its own."""
-
-    name: str
-
-
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
-# Experiments are drawn by what they are: the same one gives the same number in every analysis.
-ExperimentSeed = Annotated[int, Field(ge=0), Stream("experiments")]
+# Experiments are drawn by what they are: the same one gives the same number in every analysis. The
+# text names the stream that these analyses share, where none of them has a seed of its own.
+ExperimentSeed = Annotated[int, Field(ge=0), "experiments"]
 
 T = TypeVar("T")
 
@@ -221,7 +190,7 @@ def shape(hint: Any) -> Shape:
         return Shape(classes=classes) if classes else parts[0]
     if typing.get_origin(hint) is typing.Literal:
         return Shape(hint=hint)
-    stream = next((mark.name for mark in marks if isinstance(mark, Stream)), "")
+    stream = next((mark for mark in marks if isinstance(mark, str)), "")
     return Shape(hint=arguments[-1] if arguments else object, stream=stream)
 
 

@@ -6,7 +6,6 @@ In the configuration a number is written as ``{value: 62, evidence: printed, sou
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -88,22 +87,22 @@ def plain(node: Any) -> Any:
     return node
 
 
-def problems(node: Mapping[str, object], reference: str | None) -> Iterator[str]:
+def problems(node: Mapping[str, object], *, beside: bool) -> Iterator[str]:
     """Yield the errors of a declaration, each with the part that it concerns.
 
-    Beside a reference to another value, value or words may be left out.
+    Where it stands `beside` a reference to another value, value or words may be left out.
     """
     for name in node:
         if name not in _PARTS:
             yield f".{name}: unknown key{nearest(str(name), _PARTS)}"
     has_value, has_words = ("value" in node) + ("values" in node), any(p in node for p in _WORDS)
-    if has_value != 1 and not (reference and not has_value):
+    if has_value != 1 and not (beside and not has_value):
         yield ": give either value (one) or values (a list)"
     elif isinstance(node.get("value"), Mapping | list):
         yield f".value: {node['value']!r} must be a single value (a list goes under values)"
     elif "values" in node and not isinstance(node["values"], list):
         yield f".values: {node['values']!r} must be a list"
-    if reference and not has_words:
+    if beside and not has_words:
         return
     if node.get("evidence") not in EVIDENCE:
         yield f".evidence: {node.get('evidence')!r} must be one of {', '.join(EVIDENCE)}"
@@ -155,11 +154,3 @@ def unit_of(key: str) -> str:
 def as_text(value: object) -> str:
     """Return a value as in a table: the same for 30 and 30.0."""
     return repr(value).removesuffix(".0") if isinstance(value, float) else str(value)
-
-
-def finite_number(text: str) -> bool:
-    """Tell whether a text reads as a finite number."""
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False

@@ -102,12 +102,7 @@ class Resolver:
     def resolved(self, kind: Any, key: str) -> Any:
         """Return the plain values of a top-level key, its references resolved.
 
-        Parameters
-        ----------
-        kind
-            Type of its parameters: a reference gives the fields that it has.
-        key
-            The top-level key.
+        By the type of its parameters: a reference gives the fields that this has.
         """
         return self._plain(shape(kind), self._nodes.get(key), key)
 
@@ -122,7 +117,7 @@ class Resolver:
         every = {place for name in self._laboratory for place in _places(self._nodes.get(name))}
         return sorted(every - used)
 
-    def _parsed(self, node: Any, base: Any, key: str, places: str = "") -> Any:
+    def _parsed(self, node: Any, base: Any, key: str, *, beside: bool = False) -> Any:
         """Return a node with its values as `Declared` and its references as `_Reference`.
 
         Parameters
@@ -131,20 +126,23 @@ class Resolver:
             The same node as shipped.
         key
             Dotted key of both.
-        places
-            What a reference names, if the node stands beside it.
+        beside
+            Whether the node stands beside a reference.
         """
+        before = base if isinstance(base, Mapping) else {}
         if is_reference(node):
-            named = node[FROM] if isinstance(node[FROM], list) else [node[FROM]]
-            beside, shipped = _beside(node), _beside(base) if is_reference(base) else None
-            override = self._parsed(beside, shipped, key, str(named)) if beside else None
-            return _Reference(tuple(map(str, named)), override, key)
+            places = node[FROM] if isinstance(node[FROM], list) else [node[FROM]]
+            override, shipped = (
+                {name: child for name, child in each.items() if name != FROM}
+                for each in (node, before if is_reference(base) else {})
+            )
+            parsed = self._parsed(override, shipped, key, beside=True) if override else None
+            return _Reference(tuple(map(str, places)), parsed, key)
         if is_declaration(node):
-            malformed = [f"{key}{line}" for line in problems(node, places or None)]
+            malformed = [f"{key}{line}" for line in problems(node, beside=beside)]
             self.problems += malformed
             return _absent(key) if malformed else as_declared(node, base, key)
         if isinstance(node, Mapping):
-            before = base if isinstance(base, Mapping) else {}
             return {
                 str(name): self._parsed(child, before.get(name), f"{key}.{name}")
                 for name, child in node.items()
@@ -239,13 +237,10 @@ class Resolver:
         """Merge the keys beside a reference over its target."""
         if above is None or below is None:
             return below if above is None else above
-        if isinstance(above, dict) and KIND not in above:
-            return self._fields(below, above)
-        if isinstance(above, dict):  # a distribution is replaced as a whole
+        if not isinstance(above, dict):
+            return self._overriding(above, below)
+        if KIND in above:  # a distribution is replaced as a whole
             return {name: self._overriding(child, below) for name, child in above.items()}
-        return self._overriding(above, below)
-
-    def _fields(self, below: Any, above: dict[str, Any]) -> Any:
         if isinstance(below, _Reference):
             return replace(below, beside=self._overlaid(below.beside, above))
         if isinstance(below, dict):
@@ -261,16 +256,10 @@ class Resolver:
         if not isinstance(above, Declared) or above.origin.partition(".")[0] in self._laboratory:
             return above
         if isinstance(below, Declared):
-            overridden = f"{below.origin} = {as_text(below.value)}"
-        else:
-            overridden = ", ".join(below.places) if isinstance(below, _Reference) else ""
-            overridden = overridden or next(_places(below), "").rpartition(".")[0]
-        return replace(above, overrides=overridden)
-
-
-def _beside(reference: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keys of a reference besides its places."""
-    return {name: child for name, child in reference.items() if name != FROM}
+            return replace(above, overrides=f"{below.origin} = {as_text(below.value)}")
+        places = below.places if isinstance(below, _Reference) else ()
+        place = ", ".join(places) or next(_places(below), "").rpartition(".")[0]
+        return replace(above, overrides=place)
 
 
 def _absent(key: str, value: object = None) -> Declared:

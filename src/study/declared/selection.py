@@ -1,4 +1,4 @@
-"""Rows of the declared tables that one branch of the configuration names.
+"""Declared tables, and the rows of them that one branch of the configuration names.
 
 An analysis depends on the rows it names and on no others, so that a new value for one
 material leaves the analyses of all other materials as they are. What of its parameters are names,
@@ -9,68 +9,189 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, fields, make_dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, TypeVar, get_args, get_type_hints
 
-from study.declared.provenance import EVIDENCE, Declared, as_text, finite_number
+from pydantic import AfterValidator, ValidationError
+
+from study.declared.documents import ConfigError
+from study.declared.parameters import Finite, NonNegative, build, explain
+from study.declared.provenance import EVIDENCE, Declared, as_text
 from study.tables import NotComputedError, computed, read_table
 
+T = TypeVar("T")
 Row = dict[str, str]
 
-MATERIAL_COLUMNS = ("material", "property", "value", "unit", "low", "high", "evidence", "source")
-CONTACT_COLUMNS = ("particle", "surface", "property", "value", "unit", "evidence", "source")
 # The impact that a printed value is of; empty where it is general.
 IMPACT = ("particle", "surface", "diameter_um", "speed_m_per_s", "angle_deg")
-PRINTED_COLUMNS = ("key", "value", "low", "high", "unit", *IMPACT, "where", "note")
-EXTERNAL_COLUMNS = (
-    *("name", "quantity", "reading", "at", "at_unit"),
-    *("value", "low", "high", "unit", "reading_error", "evidence", "source"),
-)
-# The declared tables, and the columns whose texts name a row.
-TABLES = {
-    "materials": ("material",),
-    "contacts": ("particle", "surface"),
-    "printed_values": ("key",),
-    "external": ("name",),
-}
 # What a table is called in a study, where that is not the name of its file.
 IN_STUDIES = {"printed_values": "printed"}
-_BOUNDED = ("value", "low", "high")
-# Columns of numbers that may be empty; so may a value beside both ends.
-_OPTIONAL = {"low", "high", "at", "reading_error"}
 
 
-class SelectionError(ValueError):
-    """A declared table of the wrong form, or a name it does not hold."""
+def _words(text: str) -> str:
+    if not text.strip():
+        raise ValueError(f"{text!r} must not be empty")
+    return text
+
+
+def _evidence(text: str) -> str:
+    if text not in EVIDENCE:
+        raise ValueError(f"{text!r} must be one of {', '.join(EVIDENCE)}")
+    return text
+
+
+def _numbers(text: str) -> str:
+    for part in re.split("; | to ", text) if text else ():
+        number = _number(part)
+        if not isinstance(number, float) or not math.isfinite(number):
+            raise ValueError(f"{text!r} must be numbers, as 49; 62 or 15 to 85, or empty")
+    return text
+
+
+def _number(text: str) -> float | str | None:
+    """Return a number, None for an empty text, and any other text unchanged."""
+    try:
+        return float(text) if text.strip() else None
+    except ValueError:
+        return text
+
+
+def _in_order(row: Any) -> None:
+    """Refuse a row without value and range, and a value out of its range."""
+    low, high = getattr(row, "low", None), getattr(row, "high", None)
+    if row.value is None and None in (low, high):
+        raise ValueError("value: None must be a number, or low and high both")
+    if low is not None and high is not None:
+        if low >= high:
+            raise ValueError(f"low: {low:g} must be below high, {high:g}")
+        if row.value is not None and not low <= row.value <= high:
+            raise ValueError(f"value: {row.value:g} must be from low to high, {low:g} to {high:g}")
+
+
+Words = Annotated[str, AfterValidator(_words)]
+# Types of the columns that are no mere texts, in all tables.
+TYPES: dict[str, Any] = {
+    **dict.fromkeys(("value", "low", "high", "at"), Finite | None),
+    "reading_error": NonNegative | None,
+    "unit": Words,
+    "evidence": Annotated[str, AfterValidator(_evidence)],
+    "source": Words,
+    **dict.fromkeys(IMPACT[2:], Annotated[str, AfterValidator(_numbers)]),
+}
+
+
+def _table(columns: str, *named_by: str) -> tuple[type[Any], tuple[str, ...]]:
+    types = [(name, TYPES.get(name, str)) for name in columns.split()]
+    kind = make_dataclass("Row", types, kw_only=True, namespace={"__post_init__": _in_order})
+    return kind, named_by
+
+
+# The declared tables: a dataclass of their columns, and the columns whose texts name a row.
+TABLES = {
+    "materials": _table("material property value unit low high evidence source", "material"),
+    "contacts": _table(
+        "particle surface property value unit evidence source", "particle", "surface"
+    ),
+    "printed_values": _table(f"key value low high unit {' '.join(IMPACT)} where note", "key"),
+    "external": _table(
+        "name quantity reading at at_unit value low high unit reading_error evidence source", "name"
+    ),
+}
+
+
+def read_rows(path: str, kind: type[T]) -> tuple[dict[int, tuple[Row, T]], list[str], list[str]]:
+    """Read a CSV file whose columns are the fields of a dataclass.
+
+    Returns
+    -------
+    rows
+        By line: its texts, and the dataclass.
+    comments
+        Lines that begin with ``#``.
+    problems
+        One for each row that is refused, with its line and column.
+
+    Raises
+    ------
+    ConfigError
+        If the file is no CSV table in UTF-8 with these columns.
+    """
+    try:
+        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: must be a text in UTF-8, byte {error.start} is not") from None
+    columns = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    hints = get_type_hints(kind)
+    numbers = {name for name in columns if float in (hints[name], *get_args(hints[name]))}
+    # Comments become blank lines, so that the reader counts all.
+    reader = csv.reader(["" if line.startswith("#") else line for line in lines], strict=True)
+    rows, problems = dict[int, tuple[Row, T]](), list[str]()
+    try:
+        header = next(filter(None, reader), [])
+        if header != columns:
+            names = f"{', '.join(header)}; it must be {', '.join(columns)}"
+            raise ConfigError(f"{path}: the header is {names}")
+        for cells in filter(None, reader):
+            line = reader.line_num
+            if len(cells) != len(columns):
+                wanted = f"must have {len(columns)} fields, has {len(cells)}"
+                problems.append(f"line {line}: {wanted}; one with a comma needs double quotes")
+                continue
+            texts = dict(zip(columns, cells, strict=True))
+            values = {name: _number(t) if name in numbers else t for name, t in texts.items()}
+            try:
+                rows[line] = texts, build(kind, values)
+            except ValidationError as error:
+                faults = (fault.removeprefix(": ") for fault in explain(error, kind, ""))
+                problems += [f"line {line}, {fault}" for fault in faults]
+    except csv.Error as error:
+        problems.append(f"line {reader.line_num}: {error}")
+    return rows, [line for line in lines if line.startswith("#")], problems
 
 
 @dataclass(frozen=True, slots=True)
 class DeclaredTable:
-    """One declared table as text: file, columns and rows."""
+    """One declared table as text: file, columns, rows, and the columns that name a row."""
 
     path: str
     columns: tuple[str, ...]
     rows: tuple[Row, ...]
+    named_by: tuple[str, ...] = ()
 
-    def text(self, rows: Iterable[Row] | None = None) -> str:
-        """Return some rows, or all, as CSV with the header."""
+    def text(self, names: Collection[str] | None = None) -> str:
+        """Return the rows of some names, or all, as CSV with the header."""
         buffer = io.StringIO()
         writer = csv.DictWriter(buffer, self.columns, lineterminator="\n")
         writer.writeheader()
-        writer.writerows(self.rows if rows is None else rows)
+        writer.writerows(row for row in self.rows if names is None or self.name(row) in names)
         return buffer.getvalue()
 
-    def known(self, *columns: str) -> set[str]:
-        """Return the names of its rows, made of the texts in some columns."""
-        return {" on ".join(row[column] for column in columns) for row in self.rows}
+    def name(self, row: Row) -> str:
+        """Return the name of a row."""
+        return " on ".join(row[column] for column in self.named_by)
 
-    def where(self, names: Collection[str], *columns: str) -> str:
-        """Return as CSV the rows of some names."""
-        return self.text(r for r in self.rows if " on ".join(r[c] for c in columns) in names)
+    @property
+    def names(self) -> set[str]:
+        """Names of the rows."""
+        return set(map(self.name, self.rows))
+
+
+def read_declared(path: str, table: str) -> DeclaredTable:
+    """Read a declared table, one of `TABLES`.
+
+    Raises ConfigError: one line per problem, with the file, the line and the column.
+    """
+    kind, named_by = TABLES[table]
+    rows, _, problems = read_rows(path, kind)
+    if problems:
+        raise ConfigError("\n".join(f"{path}, {problem}" for problem in problems))
+    columns = tuple(field.name for field in fields(kind))
+    return DeclaredTable(path, columns, tuple(texts for texts, _ in rows.values()), named_by)
 
 
 class NamedTables(dict[str, Any]):
@@ -92,88 +213,7 @@ class NamedTables(dict[str, Any]):
         """Raise the reason why there is no such table."""
         if name in self.lacking:
             raise self.lacking[name]
-        raise SelectionError(f"no rows of {name!r}: the study's branch must name some")
-
-
-def read_declared(
-    path: str, columns: Sequence[str], numbers: Sequence[str] = ("value",)
-) -> DeclaredTable:
-    """Read a declared table and check its form.
-
-    Parameters
-    ----------
-    columns
-        The header it must have, in this order.
-    numbers
-        Columns that hold numbers; those of `_OPTIONAL` may be empty, and ``value`` beside a range.
-
-    Raises
-    ------
-    SelectionError
-        One line per problem, with the file, the line and the column.
-    """
-    with Path(path).open(encoding="utf-8-sig", newline="") as file:
-        reader = csv.DictReader(file, strict=True)
-        try:
-            header = reader.fieldnames or []
-            rows = [(reader.line_num, row) for row in reader]
-        except csv.Error as error:
-            raise SelectionError(f"{path}, line {reader.line_num + 1}: {error}") from None
-        except UnicodeDecodeError as error:
-            raise SelectionError(
-                f"{path}: must be a text in UTF-8, byte {error.start} is not"
-            ) from None
-    if list(header) != list(columns):
-        raise SelectionError(
-            f"{path}: the header is {', '.join(header)}; it must be {', '.join(columns)}"
-        )
-    problems = [f"{path}, line {n}: {line}" for n, row in rows for line in _problems(row, numbers)]
-    if problems:
-        raise SelectionError("\n".join(problems))
-    return DeclaredTable(path, tuple(columns), tuple(row for _, row in rows))
-
-
-def _problems(row: Mapping[Any, Any], numbers: Sequence[str]) -> Iterator[str]:
-    if None in row or None in row.values():
-        yield f"must have {len([key for key in row if key is not None])} fields"
-        return
-    is_range = bool(row.get("low") and row.get("high"))
-    wrong = [
-        f"{column} {row[column]!r} must be a finite number"
-        for column in numbers
-        if not finite_number(row[column]) and (row[column] or not (is_range or column in _OPTIONAL))
-    ]
-    yield from wrong or _out_of_order(row, is_range=is_range)
-    for column in IMPACT[2:]:
-        if "key" in row and not all(map(finite_number, _numbers(row[column]))):
-            yield f"{column} {row[column]!r} must be numbers, as 49; 62 or 15 to 85, or empty"
-    if "evidence" in row and row["evidence"] not in EVIDENCE:
-        yield f"evidence {row['evidence']!r} must be one of {', '.join(EVIDENCE)}"
-    for column in ("source", "unit"):
-        if column in row and not row[column].strip():
-            yield f"{column} is empty"
-
-
-def _numbers(cell: str) -> list[str]:
-    return re.split("; | to ", cell) if cell else []
-
-
-def _out_of_order(row: Mapping[Any, Any], *, is_range: bool) -> Iterator[str]:
-    if is_range:
-        low, high = float(row["low"]), float(row["high"])
-        if low >= high:
-            yield f"low {low:g} must be below high, {high:g}"
-        elif row["value"] and not low <= float(row["value"]) <= high:
-            yield f"value {row['value']} must be from low to high, {low:g} to {high:g}"
-    if float(row.get("reading_error") or 0.0) < 0.0:
-        yield f"reading_error {row['reading_error']} must not be negative"
-
-
-def _number(text: str) -> int | float | None:
-    try:
-        return int(text)
-    except ValueError:
-        return float(text) if text else None
+        raise ConfigError(f"no rows of {name!r}: the study's branch must name some")
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +229,7 @@ class DeclaredTables:
         """Return the printed values to be referred to; a range by its ends, or as a list."""
         printed: dict[str, Declared | dict[str, Declared]] = {}
         for row in self.printed_values.rows:
-            numbers: dict[str, Any] = {column: _number(row[column]) for column in _BOUNDED}
+            numbers: dict[str, Any] = {n: _exact(row[n]) for n in ("value", "low", "high")}
             numbers["range"] = [numbers["low"], numbers["high"]]
             parts = {
                 name: Declared(value, "printed", row["where"], f"printed.{row['key']}")
@@ -204,7 +244,7 @@ class DeclaredTables:
         for row in self.contacts.rows:
             pair, name = f"{row['particle']} on {row['surface']}", row["property"]
             words = row["evidence"], row["source"], f"contacts.{pair}.{name}"
-            pairs.setdefault(pair, {})[name] = Declared(_number(row["value"]), *words)
+            pairs.setdefault(pair, {})[name] = Declared(_exact(row["value"]), *words)
         return pairs
 
     def units(self) -> dict[str, str]:
@@ -218,7 +258,7 @@ class DeclaredTables:
     def names(self) -> dict[str, tuple[str, set[str]]]:
         """Return the names that can be referred to, by sort: their file, and the names."""
         tables = {name: getattr(self, name) for name in TABLES}
-        return {name: (each.path, each.known(*TABLES[name])) for name, each in tables.items()}
+        return {name: (table.path, table.names) for name, table in tables.items()}
 
     def named(
         self, named: Iterable[tuple[str, str]], bodies: Mapping[str, tuple[str, str]]
@@ -240,8 +280,7 @@ class DeclaredTables:
             else:
                 wanted[sort].add(name)
         rows = {
-            IN_STUDIES.get(name, name): getattr(self, name).where(wanted[name], *by)
-            for name, by in TABLES.items()
+            IN_STUDIES.get(name, name): getattr(self, name).text(wanted[name]) for name in TABLES
         }
         return {name: text for name, text in rows.items() if text.count("\n") > 1}
 
@@ -266,19 +305,17 @@ class DeclaredTables:
         }
 
 
-def read_all(materials: str, contacts: str, printed_values: str, external: str) -> DeclaredTables:
-    """Read the declared tables.
+def _exact(text: str) -> int | float | None:
+    """Return a number as it is written: 62 is an integer."""
+    try:
+        return int(text)
+    except ValueError:
+        return float(text) if text else None
 
-    Raises SelectionError if one of them is not of the agreed form.
+
+def read_all(paths: Mapping[str, str]) -> DeclaredTables:
+    """Read the declared tables, each from its path.
+
+    Raises ConfigError if one of them is not of the agreed form.
     """
-    return DeclaredTables(
-        read_materials(materials),
-        read_declared(contacts, CONTACT_COLUMNS),
-        read_declared(printed_values, PRINTED_COLUMNS, _BOUNDED),
-        read_declared(external, EXTERNAL_COLUMNS, (*_BOUNDED, "at", "reading_error")),
-    )
-
-
-def read_materials(path: str) -> DeclaredTable:
-    """Read a table of materials, see `read_declared`."""
-    return read_declared(path, MATERIAL_COLUMNS, _BOUNDED)
+    return DeclaredTables(**{name: read_declared(paths[name], name) for name in TABLES})

@@ -27,17 +27,20 @@ _reference_option = click.option(
 @_reference_option
 def check_command(results: Path, reference: Path) -> None:
     """Compare the tables, data and figures in RESULTS with committed references."""
-    from study.report.check.results import table_files
+    from study.report.check.differences import markdown
+    from study.report.check.results import TABLE_FOLDERS, table_files
     from study.report.check.verify import require_same_settings, verify
-    from study.report.check.wording import markdown
 
-    require_same_settings(results, reference)
     differences = verify(results, reference)
+    require_same_settings(differences)
     if not differences:
         click.echo(f"{results}: {len(table_files(results))} files agree with {reference}")
         return
-    click.echo(f"{results} differs from {reference}\n")
-    click.echo(markdown(differences))
+    click.echo(f"{results} differs from {reference}")
+    for folder in TABLE_FOLDERS:
+        names = {Path(d.file).stem for d in differences if d.file.startswith(f"{folder}/")}
+        click.echo(f"{folder.capitalize()}: {', '.join(sorted(names)) or 'none'}")
+    click.echo(f"\n{markdown(differences)}")
     raise SystemExit(1)
 
 
@@ -45,10 +48,10 @@ def check_command(results: Path, reference: Path) -> None:
 @click.argument("results", type=_folder)
 @_reference_option
 @click.option("--remove", is_flag=True, help="Drop references of files that RESULTS lacks.")
-def reference_command(results: Path, reference: Path, remove: bool) -> None:
+def reference_command(results: Path, reference: Path, *, remove: bool) -> None:
     """Show how RESULTS differs from the references, then make it the reference."""
+    from study.report.check.differences import markdown
     from study.report.check.verify import renew, verify
-    from study.report.check.wording import markdown
 
     reference.mkdir(parents=True, exist_ok=True)
     differences = verify(results, reference)

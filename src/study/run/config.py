@@ -70,7 +70,6 @@ class Settings:
     rows: Mapping[str, Mapping[str, str]]
     pairs: Mapping[str, tuple[str, str]]  # Materials of particle and surface of every case
     declared: tuple[Declared, ...]  # Every value as it is used
-    unused: tuple[str, ...]  # Places of the laboratory on which no analysis rests
 
 
 CALIBRATION = "calibration"
@@ -121,51 +120,49 @@ def validate(
     ConfigError
         Naming the dotted key of every problem, one line each.
     """
-    _refuse(
-        f"{key}: {config[key]!r} must be a mapping" if key in config else f"{key}: missing"
-        for key in SECTIONS
-        if not isinstance(config.get(key), Mapping)
-    )
+    _refuse(_no_mappings(config, SECTIONS))
+    names = tuple(only or studies.homes())
     resolver = Resolver(config, base, SECTIONS)
     known_keys = [*GENERAL, *SECTIONS, *studies.homes()]
-    unknown = [key for key in config if key not in known_keys]
-    problems = [f"{key}: unknown key{nearest(str(key), known_keys)}" for key in unknown]
-    check = _Check(config, resolver, problems)
-    general = check.sections(General, GENERAL)
+    problems = [
+        *(f"{k}: unknown key{nearest(str(k), known_keys)}" for k in config if k not in known_keys),
+        *_no_mappings(config, names),
+    ]
+    general = _sections(General, config, resolver, problems)
     shown = list(resolver.rows)
     tables = _tables(resolver, problems)
     if tables is None:  # nothing can be named
         raise ConfigError("\n".join([*resolver.problems, *_others(problems, resolver.problems)]))
     resolver.declare("printed", tables.printed())
     resolver.declare("contacts", tables.pairs())
-    cases = [*config["cases"], *tables.contacts.known("particle", "surface")]
-    check.known = Known({**tables.names(), "cases": ("cases", cases), **_inferred(config)})
-    laboratory = check.sections(Laboratory, SECTIONS)
+    known = Known(tables.names() | _inferred(config))
+    known.names["cases"] = "cases", {*config["cases"], *tables.contacts.names}
+    laboratory = _sections(Laboratory, config, resolver, problems, known)
     stands = {row.key: row.origin or row.key for row in resolver.rows}
     resolver.rows = shown
-    params, named = {}, {}
-    branches = _branches(tuple(only or studies.homes()))
-    for name in only or studies.homes():
-        check.known.named.clear()
-        params[name] = check.branch(branches, name)
+    branches = _branches(names)
+    params, named = dict[str, Any](), dict[str, list[tuple[str, str]]]()
+    for name in names:
+        known.named.clear()
+        branch = {name: config[name]} if isinstance(config.get(name), Mapping) else {}
+        params[name] = getattr(_sections(branches, branch, resolver, problems, known), name, None)
         problems += _unprinted(name, tables.printed_values)
-        named[name] = check.known.named + [("printed_values", k) for k in studies.printed(name)]
+        named[name] = known.named + [("printed_values", key) for key in studies.printed(name)]
     wanted = {name for each in named.values() for sort, name in each if sort == "cases"}
     if laboratory and params.get(CALIBRATION):
-        calibrated = params[CALIBRATION].calibrated
         problems += [
             f"cases.{case}: is named, but {CALIBRATION} does not calibrate it"
-            for case in sorted(wanted & set(laboratory.cases) - calibrated)
+            for case in sorted(wanted & set(laboratory.cases) - params[CALIBRATION].calibrated)
         ]
     _refuse([*resolver.problems, *_others(problems, resolver.problems)])
     _refuse(_out_of_unit(resolver.rows, tables.units()))
     _refuse(_contradictions(laboratory, params, resolver.rows))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
     used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
-    dropped = ("impact", *(f"drops.{name}" for name in laboratory.drops))
-    used |= {stands[f"{drop}.{body}"] for drop in dropped for body in _BODIES}
-    unused = tuple(key for key in resolver.unused() if key not in used)
+    drops = ["impact", *(f"drops.{name}" for name in laboratory.drops)]
+    used |= {stands[f"{drop}.{body}"] for drop in drops for body in _BODIES}
     if not only:
+        unused = [key for key in resolver.unused() if key not in used]
         used |= {row.origin for row in resolver.rows}
         _refuse(_idle(unused, used, base, {change.key for change in changes(config, base)}))
     return Settings(
@@ -175,49 +172,38 @@ def validate(
             branches(**params), mode="json"
         ),
         rows={name: tables.named(each, bodies) for name, each in named.items()},
-        pairs={
-            **{
-                f"{row['particle']} on {row['surface']}": (row["particle"], row["surface"])
-                for row in tables.contacts.rows
-            },
-            **bodies,
-        },
+        pairs={tables.contacts.name(row): _bodies(row) for row in tables.contacts.rows} | bodies,
         # Where the results go is no input: the same study has the same table anywhere.
         declared=tuple(row for row in resolver.rows if not row.key.startswith("pathvars.")),
-        unused=unused,
     )
 
 
-@dataclass(slots=True)
-class _Check:
-    """Builder of dataclasses from a configuration, which gathers the problems."""
+def _bodies(row: Mapping[str, str]) -> tuple[str, str]:
+    return row["particle"], row["surface"]
 
-    config: Mapping[str, Any]
-    resolver: Resolver
-    problems: list[str]
-    known: Known = field(default_factory=lambda: Known({}))
 
-    def branch(self, kind: type[Any], key: str) -> Any:
-        """Return one branch of `_branches`, or None, with its errors added to the lines."""
-        values = self.resolver.resolved(get_type_hints(kind)[key], key)
-        if isinstance(values, Mapping):
-            return getattr(self._built(kind, {key: values}), key, None)
-        problem = f"{self.config[key]!r} must be a mapping" if key in self.config else "missing"
-        self.problems.append(f"{key}: {problem}")
+def _sections(
+    kind: type[Any],
+    config: Mapping[str, Any],
+    resolver: Resolver,
+    problems: list[str],
+    known: Known | None = None,
+) -> Any:
+    """Return an instance of a dataclass whose fields are top-level keys, or None."""
+    hints = get_type_hints(kind, include_extras=True)
+    values = {key: resolver.resolved(hints[key], key) for key in hints if key in config}
+    try:
+        return build(kind, values, known)
+    except ValidationError as error:
+        problems += explain(error, kind, "", resolver.aliases)
         return None
 
-    def sections(self, kind: type[Any], keys: Sequence[str]) -> Any:
-        """Return an instance of a dataclass whose fields are top-level keys, or None."""
-        hints = get_type_hints(kind, include_extras=True)
-        declared = [key for key in keys if key in self.config]
-        return self._built(kind, {k: self.resolver.resolved(hints[k], k) for k in declared})
 
-    def _built(self, kind: type[Any], values: Mapping[str, Any]) -> Any:
-        try:
-            return build(kind, values, self.known if self.known.names else None)
-        except ValidationError as error:
-            self.problems += explain(error, kind, "", self.resolver.aliases)
-            return None
+def _no_mappings(config: Mapping[str, Any], keys: Iterable[str]) -> Iterator[str]:
+    for key in keys:
+        if not isinstance(config.get(key), Mapping):
+            is_there = key in config
+            yield f"{key}: {config[key]!r} must be a mapping" if is_there else f"{key}: missing"
 
 
 def _inferred(config: Mapping[str, Any]) -> dict[str, tuple[str, set[str]]]:
@@ -297,7 +283,7 @@ def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:
 def _unprinted(name: str, table: DeclaredTable) -> Iterator[str]:
     """Yield a line for each printed value that a study reads and the table lacks."""
     for key in studies.printed(name):
-        if key not in table.known("key"):
+        if key not in table.names:
             yield f"{table.path}: {key}: missing; {name} reads it"
 
 
@@ -347,7 +333,7 @@ def _tables(resolver: Resolver, problems: list[str]) -> DeclaredTables | None:
     problems += missing
     try:
         usable = not missing and all(isinstance(path, str) for path in paths.values())
-        return read_all(*paths.values()) if usable else None
+        return read_all(paths) if usable else None
     except (ValueError, OSError) as error:
         problems.append(str(error))
         return None

@@ -11,6 +11,7 @@ import os
 import platform
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -18,20 +19,14 @@ from pathlib import Path
 from typing import Any
 
 from microimpact.core.files import sha256, write_file
-from study.declared.provenance import Declared, plain
+from study.declared.provenance import plain
 from study.declared.references import FROM, is_reference
 
 STAMP = "run.json"
 NO_FILES: Mapping[str, str] = {}
 PACKAGES = (
-    "microimpact",
-    "numpy",
-    "scipy",
-    "pandas",
-    "matplotlib",
-    "numba",
-    "pydantic",
-    "snakemake",
+    *("microimpact", "numpy", "scipy", "pandas"),
+    *("matplotlib", "numba", "pydantic", "snakemake"),
 )
 
 
@@ -75,17 +70,9 @@ def _leaves(node: Any, key: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def require_own_root(config: Mapping[str, Any], base: Mapping[str, Any]) -> None:
-    """Refuse an overlay that changes inputs, but not the place of the results.
+    """Refuse an overlay, merged into the base, that changes inputs but not the place of results.
 
-    Parameters
-    ----------
-    config, base
-        The configuration with the overlay merged into it, and that without.
-
-    Raises
-    ------
-    ValueError
-        Naming what is changed, and what to add.
+    Raises ValueError, naming what is changed, and what to add.
     """
     changed = [change.key for change in changes(config, base)]
     if changed and results_root(config) == results_root(base):
@@ -129,7 +116,6 @@ def write_stamp(
     *,
     ended: datetime | None = None,
     outdated: Sequence[str] = (),
-    declared: Sequence[Declared] = (),
     files: Mapping[str, str] = NO_FILES,
 ) -> None:
     """Write the stamp of a run as JSON.
@@ -148,8 +134,6 @@ def write_stamp(
         End of a run that went well; None while it goes on, and after a failure.
     outdated
         Results of earlier runs with other inputs.
-    declared
-        All values as used; recorded are those that override a value of the laboratory.
     files
         Checksums of the declared files, see `checksums`.
     """
@@ -158,7 +142,6 @@ def write_stamp(
         "ended": ended and ended.isoformat(),
         "outdated": list(outdated),
         **origin(config, project),
-        "overrides": {row.key: row.overrides for row in declared if row.overrides},
         "files": dict(files),
         "config": config,
     }
@@ -185,12 +168,10 @@ def run_date() -> datetime:
 
 def origin(config: Mapping[str, Any], project: Path | str) -> dict[str, Any]:
     """Return commit, seed, and the versions of all that decides numbers and pictures."""
-    packages: dict[str, str | None] = {}
+    packages: dict[str, str | None] = dict.fromkeys(PACKAGES)
     for name in PACKAGES:
-        try:
+        with suppress(PackageNotFoundError):
             packages[name] = version(name)
-        except PackageNotFoundError:
-            packages[name] = None
     return {
         "git": git_state(Path(project)),
         "python": platform.python_version(),
@@ -202,26 +183,16 @@ def origin(config: Mapping[str, Any], project: Path | str) -> dict[str, Any]:
 
 def git_state(project: Path) -> dict[str, str | bool | None]:
     """Return commit and dirty flag of a project; both None if it is no git checkout."""
-    top = _git(project, "rev-parse", "--show-toplevel")
-    # A project copied into some other repository has no commit of its own.
-    if top is None or Path(top).resolve() != project.resolve():
-        return {"commit": None, "dirty": None}
-    status = _git(project, "status", "--porcelain")
-    return {
-        "commit": _git(project, "rev-parse", "--verify", "HEAD"),
-        "dirty": None if status is None else bool(status),
-    }
 
+    def git(*arguments: str) -> str:
+        command = ["git", "-C", str(project), *arguments]
+        return subprocess.check_output(
+            command, stderr=subprocess.DEVNULL, text=True, timeout=30
+        ).strip()
 
-def _git(project: Path, *arguments: str) -> str | None:
-    try:
-        done = subprocess.run(
-            ["git", "-C", str(project), *arguments],
-            capture_output=True,
-            text=True,
-            check=True,
-            timeout=30,
-        )
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return done.stdout.strip()
+    with suppress(OSError, subprocess.SubprocessError):
+        # A project copied into some other repository has no commit of its own.
+        if Path(git("rev-parse", "--show-toplevel")).resolve() == project.resolve():
+            dirty = bool(git("status", "--porcelain"))
+            return {"commit": git("rev-parse", "--verify", "HEAD"), "dirty": dirty}
+    return {"commit": None, "dirty": None}

@@ -31,56 +31,36 @@ def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) ->
         One line each on files, what could not be computed, verdicts of a full run, outdated files,
         and the page to open.
     """
-    files = f": {_listed(made)}" if made else " nothing was made anew"
-    lines = [f"In {results}{files}."]
+    shown = [n for n in made if not n.startswith("figures/") or n.endswith(".svg")]
+    if len(shown) > FEW:
+        figures = [name for name in shown if name.startswith("figures/")]
+        others = [name for name in shown if name.startswith(("data/", "tables/"))]
+        counts = Counter(name.partition("/")[0] for name in others + figures * (len(figures) > FEW))
+        shown = figures * (len(figures) <= FEW)
+        shown += [f"{count} in {folder}/" for folder, count in sorted(counts.items())]
+    lines = [f"In {results}: {', '.join(shown) or 'nothing was made anew'}."]
     tables = [results / name for name in made if name.startswith(("tables/", "data/"))]
-    lines += dict.fromkeys(f"Not computed: {why}." for path in tables for why in _problems(path))
+    reasons = (why for table in tables for why in _cells(table, NOT_COMPUTED, "problem"))
+    lines += dict.fromkeys(f"Not computed: {why}." for why in reasons)
     if "report/index.html" in made:
-        lines += [
-            f"{words}: {counts}."
-            for name, words in (("claims", "Claims of the article"), ("equations", "Its equations"))
-            if (counts := _verdicts(results / f"tables/{name}.csv"))
-        ]
+        for name, words in (("claims", "Claims of the article"), ("equations", "Its equations")):
+            verdicts = Counter(_cells(results / f"tables/{name}.csv", "verdict")).most_common()
+            told = ", ".join(f"{count} {verdict}" for verdict, count in verdicts)
+            lines += [f"{words}: {told}."] if told else []
     if outdated:
         number = f"{len(outdated)} results" if len(outdated) > 1 else outdated[0]
         lines.append(
             f"Made earlier, from other inputs: {number}. Without a target, all is renewed."
         )
-    page = results / "report/index.html"
-    if page.is_file():
+    if (page := results / "report/index.html").is_file():
         lines.append(f"Open {page}")
     return "\n".join(lines)
 
 
-def _problems(table: Path) -> Iterator[str]:
-    """Yield why a table, or rows of it, could not be computed."""
-    if not table.is_file():
-        return
-    with table.open(encoding="utf-8", newline="") as file:
-        rows = csv.DictReader(file)
-        names = {NOT_COMPUTED, "problem"} & {*(rows.fieldnames or ())}
-        if names:
-            yield from (row[name] for row in rows for name in names if row[name])
-
-
-def _listed(made: Sequence[str]) -> str:
-    """Return the names of results, or their numbers by kind if they are many."""
-    shown = [n for n in made if not n.startswith("figures/") or n.endswith(".svg")]
-    if len(shown) <= FEW:
-        return ", ".join(shown)
-    figures = [name for name in shown if name.startswith("figures/")]
-    counts = Counter(name.partition("/")[0] for name in shown)
-    parts = figures if len(figures) <= FEW else [f"{len(figures)} figures"]
-    for key, words in {"data": " of figure data", "tables": ""}.items():
-        if counts[key]:
-            parts.append(f"{counts[key]} table{'s' if counts[key] > 1 else ''}{words}")
-    return ", ".join(parts)
-
-
-def _verdicts(ledger: Path) -> str:
-    """Return how often each verdict stands in a ledger, the most frequent first."""
-    if not ledger.is_file():
-        return ""
-    with ledger.open(encoding="utf-8", newline="") as file:
-        counts = Counter(row["verdict"] for row in csv.DictReader(file))
-    return ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common())
+def _cells(table: Path, *columns: str) -> Iterator[str]:
+    """Yield the cells in some columns that are not empty, none if there is no such table."""
+    if table.is_file():
+        with table.open(encoding="utf-8", newline="") as file:
+            rows = csv.DictReader(file)
+            if names := {*columns} & {*(rows.fieldnames or ())}:
+                yield from (row[name] for row in rows for name in names if row[name])

@@ -7,16 +7,11 @@ import math
 
 import pytest
 from click.testing import CliRunner
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
 
 from microimpact.cli import commands
 
-numbers = st.one_of(
-    st.floats(),
-    st.integers(-(10**40), 10**40),
-    st.sampled_from(["", "-", "1,5", "0x10", "1e", "one", "1_0", " 7", "٣", "\u2212\u0031"]),
-).map(str)
+PAIR = ("--particle", "stainless-steel-316", "--surface", "silicon")
+NUMBERS = ("", "nan", "-inf", "1e999", "1,5", "0x10", "1_0", "\u0663", "-1", "0", "1e-300", "1e300")
 
 
 def answer(arguments):
@@ -30,45 +25,29 @@ def answer(arguments):
         assert done.exit_code == 2
         assert "Error: " in done.output
         return None
-    return json.loads(done.stdout)
+    return json.loads(done.stdout)["outputs"]
 
 
-PAIR = ("--particle", "stainless-steel-316", "--surface", "silicon")
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("option", ["speed", "angle", "spin", "diameter-um"])
+def test_an_impact(option, number):
+    usual = {"speed": "1.66", "angle": "50", "spin": "0", "diameter-um": "62"} | {option: number}
+    outputs = answer(["simulate", *PAIR, *(f"--{key}={value}" for key, value in usual.items())])
+    if outputs is not None:
+        assert 0.0 <= outputs["coefficient_of_restitution"] <= 1.0 + 1e-12
+        assert math.isfinite(outputs["spin"])
 
 
-@settings(deadline=None, derandomize=True, max_examples=120)
-@given(speed=numbers, angle=numbers, spin=numbers, diameter=numbers)
-@example(speed="1.66", angle="50", spin="0", diameter="62")
-@example(speed="1e-300", angle="90", spin="1e300", diameter="1e-300")
-@example(speed="299792457", angle="1e-300", spin="-0.0", diameter="1e9")
-def test_an_impact(speed, angle, spin, diameter):
-    found = answer(
-        ["simulate", *PAIR, f"--speed={speed}", f"--angle={angle}", f"--spin={spin}",
-         f"--diameter-um={diameter}"]
-    )  # fmt: skip
-    if found is not None:
-        found = found["outputs"]
-        e = found["coefficient_of_restitution"]
-        assert 0.0 <= e <= 1.0 + 1e-12
-        assert math.isfinite(found["spin"])
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("option", ["work-of-adhesion", "hertz-damping", "adhesion-damping"])
+def test_a_capture_velocity(option, number):
+    outputs = answer(["capture", *PAIR, f"--{option}={number}"])
+    if outputs is not None:
+        assert outputs["capture_velocity"] is None or outputs["capture_velocity"] >= 0.0
 
 
-@settings(deadline=None, derandomize=True, max_examples=120)
-@given(work=numbers, hertz=numbers, adhesion=numbers)
-@example(work="0.5", hertz="0", adhesion="3")
-def test_a_capture_velocity(work, hertz, adhesion):
-    found = answer(
-        ["capture", *PAIR, f"--work-of-adhesion={work}", f"--hertz-damping={hertz}",
-         f"--adhesion-damping={adhesion}"]
-    )  # fmt: skip
-    if found is not None:
-        velocity = found["outputs"]["capture_velocity"]
-        assert velocity is None or velocity >= 0.0
-
-
-@pytest.mark.parametrize("name", ["<script>", "", "steel\n", "../../etc/passwd", "%s", "ß" * 300])
+@pytest.mark.parametrize("name", ["<script>", "", "steel\n", "../../etc/passwd", "ß" * 300])
 def test_a_material_that_is_none(name):
     done = CliRunner().invoke(commands, ["capture", "--particle", name, "--surface", "silicon"])
     assert isinstance(done.exception, ValueError)
-    assert "is not declared" in str(done.exception)
-    assert repr(name) in str(done.exception)
+    assert f"{name!r} is not declared" in str(done.exception)

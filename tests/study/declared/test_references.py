@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, make_dataclass
 from typing import Annotated, Literal
 
-import pytest
-
-from study.declared.parameters import Seed, Stream
+from study.declared.parameters import Seed
 from study.declared.references import Resolver, merged
 
 
@@ -161,27 +159,6 @@ def test_a_declaration_is_replaced_as_a_whole():
     assert old == {"a": given(1), "b": given(2)}
 
 
-@pytest.mark.parametrize(
-    ("reference", "line"),
-    [
-        ("speeds.fats, 1", "'speeds.fats, 1' is not declared (did you mean 'fast, 1'?)"),
-        ("speds.fast", "'speds.fast' is not declared (did you mean 'speeds'?)"),
-        ("spins.none", "no fast_m_per_s in spins.none (known here: mean, sd)"),
-        ("study.range_m_per_s", "'study.range_m_per_s' is not declared"),
-        (3, "'3' is not declared"),
-    ],
-)
-def test_a_reference_to_nothing_is_one_line(reference, line):
-    resolver, _ = resolved({"study": {"fast_m_per_s": {"from": reference}}})
-    (told,) = resolver.problems
-    assert told.startswith(f"study.fast_m_per_s.from: {line}")
-
-
-def test_a_place_that_names_itself_is_refused():
-    resolver, _ = resolved({"steel": {"from": ["steel.spin"]}})
-    assert resolver.problems[0] == "steel.from: 'steel.spin' refers to itself"
-
-
 def test_every_analysis_draws_from_the_root_seed_by_its_name():
     def seeds(root=7, own=(), kind=Params):
         resolver = Resolver(
@@ -196,7 +173,7 @@ def test_every_analysis_draws_from_the_root_seed_by_its_name():
     assert seeds() == [one, other]
     assert not {one, other} & set(seeds(root=8))
     assert seeds(own={"seed": 3}) == [3, other]
-    shared = make_dataclass("Shared", [("seed", Annotated[int, Stream("both")])])
+    shared = make_dataclass("Shared", [("seed", Annotated[int, "both"])])
     assert len(set(seeds(kind=shared))) == 1
     resolver, _ = resolved()
     assert row(resolver, "study.seed").evidence == "derived"

@@ -37,17 +37,6 @@ def test_numbers_survive_the_way_to_disk_and_back(tmp_path):
     assert [p.name for p in path.parent.iterdir()] == ["table.csv"]
 
 
-def test_a_wrong_unit_column_is_named(tmp_path):
-    frame = tables.series_frame(
-        panel="p", series="s", evidence="computed", x=[1, 2], y=3, x_unit="rad", y_unit="1"
-    )
-    assert len(frame) == 2
-    path = tmp_path / "fig99.csv"
-    tables.write_table(frame, path)
-    with pytest.raises(tables.TableError, match=r"fig99\.csv: column 'x_deg' is missing, column"):
-        tables.read_table(path, tables.figure_columns("deg", "1"))
-
-
 def test_unknown_evidence_is_refused():
     with pytest.raises(ValueError, match="evidence: 'guessed' must be one of"):
         tables.series_frame(
@@ -74,14 +63,13 @@ def test_units_in_names(key, unit):
 
 
 def test_only_named_rows_are_selected(tmp_path):
-    header = ",".join(selection.MATERIAL_COLUMNS)
+    header = "material,property,value,unit,low,high,evidence,source"
     steel = 'steel,density,8000,kg/m3,,,found,"data, sheet"'
     silicon = "silicon,density,2330,kg/m3,2320,2340,textbook,handbook"
     path = tmp_path / "materials.csv"
     path.write_text("\n".join([header, steel, silicon, ""]))
-    numbers = ("value", "low", "high")
-    table = selection.read_declared(str(path), selection.MATERIAL_COLUMNS, numbers)
-    assert table.where({"steel"}, "material") == f"{header}\n{steel}\n"
+    table = selection.read_declared(str(path), "materials")
+    assert table.text({"steel"}) == f"{header}\n{steel}\n"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,9 +91,8 @@ BODIES = {"steel-formica": ("stainless-steel-316", "formica")}
 
 @pytest.fixture(scope="module")
 def declared():
-    root = ROOT / "config"
-    files = ("materials.csv", "contacts.csv", "printed_values.csv", "external.csv")
-    return selection.read_all(*(str(root / name) for name in files))
+    paths = {name: str(ROOT / f"config/{name}.csv") for name in selection.TABLES}
+    return selection.read_all(paths)
 
 
 def known(declared):

@@ -20,6 +20,10 @@ CLAIMS = """id,statement,criterion,computed_value,verdict
 C01,falls,at most 1,0.44,reproduced
 C02,sticks,at least 1,0.2,not reproduced
 """
+CLAIM_RESULTS = """id,case,quantity,value,test
+C01,,fall,0.44,
+C02,,share,0.2,
+"""
 SVG = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0L1 {slope}"/></svg>\n'
 CONTENT = """panel,artist,text,look,x_low,x_high,y_low,y_high
 figure,title,Restitution,,,,,
@@ -53,11 +57,12 @@ def draw(root, name, slope):
 
 
 def results(root, *, slope=0.7, inputs=INPUTS, claims=CLAIMS, commit="abc"):
-    """Write a results folder with two tables, one figure and a run stamp."""
+    """Write a results folder with three tables, one figure and a run stamp."""
     stamp = {"ended": "today", "git": {"commit": commit}, "config": {"x": 1}}
     files = {
         "tables/inputs.csv": inputs,
         "tables/claims.csv": claims,
+        "tables/claim_results.csv": CLAIM_RESULTS,
         "data/fig14.csv": figure_data(slope),
         "run.json": json.dumps(stamp),
     }

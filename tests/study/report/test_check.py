@@ -10,7 +10,7 @@ from shutil import rmtree
 
 import pandas as pd
 import pytest
-from tests.study.report.results_roots import INPUTS, edit, results, run, write
+from tests.study.report.results_roots import edit, results, run
 
 from study.report.check import verify as verification
 from study.report.check.differences import Tolerance, compare_tables
@@ -94,22 +94,29 @@ def test_missing_infinite_and_zero_numbers_agree_with_themselves_alone(before, a
     assert [d.kind for d in differences] == kinds
 
 
+def test_results_agree_with_references_made_from_them(built, reference):
+    assert verify(built, reference) == []
+    code, text, _ = run("check", built, "--reference", reference)
+    assert code == 0
+    assert "5 files agree" in text
+
+
 @pytest.mark.parametrize(
-    ("file", "old", "new"),
+    ("file", "old", "new", "named"),
     [
-        ("data/fig14.csv", ",0.7,", ",0.70000007,"),
-        ("tables/inputs.csv", "2500", "2502.5"),
-        ("tables/claims.csv", ",reproduced", ",calibrated"),
-        ("figures/fig14.csv", "Restitution", "Loss"),
-        ("figures/fig14.csv", "#0072b2 1.2", "#d55e00 1.2"),
-        ("figures/fig14.csv", "#0072b2 1.2:", "#0072b2 1.2 - -:"),
+        ("data/fig14.csv", ",0.7,", ",0.70000007,", "none, fig14, none"),
+        ("tables/inputs.csv", "2500", "2502.5", "inputs, none, none"),
+        ("tables/claims.csv", ",reproduced", ",calibrated", "claims, none, none"),
+        ("figures/fig14.csv", "Restitution", "Loss", "none, none, fig14"),
+        ("figures/fig14.csv", "#0072b2 1.2", "#d55e00 1.2", "none, none, fig14"),
+        ("figures/fig14.csv", "#0072b2 1.2:", "#0072b2 1.2 - -:", "none, none, fig14"),
     ],
 )
-def test_a_changed_cell_is_shown_with_its_file(built, reference, file, old, new):
+def test_a_changed_cell_names_its_table_data_or_figure(built, reference, file, old, new, named):
     edit(built / file, old, new)
     code, text, _ = run("check", built, "--reference", reference)
     assert code == 1
-    assert re.findall(r"### (.+?):", text) == [file]
+    assert ", ".join(re.findall(r"^(?:Tables|Data|Figures): (.*)$", text, re.MULTILINE)) == named
     assert all(cell.strip(",") in text for cell in (old, new))
 
 
@@ -124,6 +131,16 @@ def test_files_without_counterpart_fail_both_ways(built, reference):
     (built / name).write_text(text)
     (new,) = verify(built, reference)
     assert (new.kind, new.file) == ("extra file", name)
+
+
+def test_a_run_with_other_settings_is_one_line(built, reference):
+    rows = "".join(f"config,a.b[{i}],{{}},,,-,chosen,x,\n" for i in range(21))
+    for root, value in ((built, 1024), (reference, 64)):
+        table = root / "tables/inputs.csv"
+        table.write_text(table.read_text() + rows.replace("{}", str(value)))
+    code, _, error = run("check", built, "--reference", reference)
+    assert code == 2
+    assert "21 inputs differ, as a.b[0]: 1024 where the references have 64" in error
 
 
 TOLERANCE = "columns:\n- {file: data/fig*.csv, column: y_1, rtol: 0.01, reason: made up}\n"
@@ -150,55 +167,39 @@ def test_tolerances_are_checked(built, reference, text, expected):
         verify(built, reference)
 
 
-OTHER = "".join(f"config,a.b[{i}],{{}},,,-,chosen,x,\n" for i in range(21))
-
-
-@pytest.mark.parametrize(
-    ("text", "expected", "message"),
-    [
-        ({"data/fig14.csv": "a,b\n1,2\n1,2,3\n"}, {}, "data/fig14.csv, line 3: 3 fields where the"),
-        (
-            {"tables/inputs.csv": INPUTS + OTHER.replace("{}", "1024")},
-            {"tables/inputs.csv": INPUTS + OTHER.replace("{}", "64")},
-            "21 inputs differ, as a.b[0]: 1024 where the references have 64",
-        ),
-    ],
-)
-def test_bad_results_are_one_clear_error(built, reference, text, expected, message):
-    write(built, text)
-    write(reference, expected)
+def test_a_malformed_table_is_one_clear_error(built, reference):
+    (built / "data/fig14.csv").write_text("a,b\n1,2\n1,2,3\n")
     code, _, error = run("check", built, "--reference", reference)
     assert code == 2
-    assert message in error
+    assert "data/fig14.csv, line 3: 3 fields where the" in error
 
 
-def test_folders_without_results_are_one_clear_error(reference, tmp_path):
-    for folder, message in (
-        (tmp_path / "no", "no such folder"),
-        (tmp_path, "not a results folder"),
-    ):
-        code, _, error = run("check", folder, "--reference", reference)
-        assert (code, error.partition(f"{folder}: ")[2].startswith(message)) == (2, True)
+def test_folders_without_results_are_one_clear_error(built, reference, tmp_path):
+    nothing = tmp_path / "nothing"
+    code, _, error = run("check", nothing, "--reference", reference)
+    assert (code, error) == (2, f"microimpact: {nothing}: no such folder\n")
+    nothing.mkdir()
+    code, _, error = run("check", nothing, "--reference", reference)
+    assert code == 2
+    assert "not a results folder" in error
 
 
 def test_references_change_by_command_alone_where_they_differ(built, reference):
     def content():
-        return {path.name: path.read_bytes() for path in reference.rglob("*.*")}
-
-    def checked(command="check"):
-        return run(command, built, "--reference", reference)
+        return {path: path.read_bytes() for path in reference.rglob("*.*")}
 
     before = content()
-    assert checked()[:2] == (0, f"{built}: 4 files agree with {reference}\n")
     edit(built / "data/fig14.csv", ",0.7,", ",0.7007,")
     edit(built / "tables/claims.csv", "0.44", "0.440000000001")
-    assert checked()[0] == 1
+    assert run("check", built, "--reference", reference)[0] == 1
     assert before == content()
-    code, text, _ = checked("reference")
+    code, text, _ = run("reference", built, "--reference", reference)
     assert code == 0
     assert "0.7007" in text
-    assert checked()[0] == 0
-    assert [name for name, data in content().items() if data != before[name]] == ["fig14.csv"]
+    assert "1 files changed" in text
+    assert run("check", built, "--reference", reference)[0] == 0
+    after = content()
+    assert [path.name for path in after if after[path] != before[path]] == ["fig14.csv"]
 
 
 def test_a_partial_run_cannot_drop_references(built, reference):

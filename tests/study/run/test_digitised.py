@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.shared import ROOT
 
-from study.declared.documents import load
+from study.declared.documents import ConfigError, load
 from study.figures.registry import registry
-from study.run.digitised import DigitisedError, as_rows, overlaid, read_folder, read_points
-from study.tables import parse_table, points_series, series_frame
+from study.run.digitised import as_rows, read_folder, read_points
+from study.tables import parse_table, points_series
 
 CONFIG = ROOT / "config"
 HEADER = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\n"
@@ -54,51 +53,38 @@ def test_a_file_is_read(read):
     )
 
 
-def test_measured_points_are_told_apart_from_digitised_ones(read, figures):
+def test_measured_points_are_told_apart_from_digitised_ones(read):
     points = read(TOP.replace("digitised_by", "measured_by") + "a,1,2,,\n")
     assert (points.header.measured_by, points.evidence) == ("nobody", "measured")
     assert list(points.table["series"]) == [points_series("measured", "a")]
-    frame = series_frame(
-        panel="trends", series="s", evidence="computed", x=[1.0], y=[1.0], x_unit="m_per_s",
-        y_unit="1",
-    )  # fmt: skip
-    drawn = overlaid({"fig14": frame}, figures["fig14"], points)["fig14"]
-    assert list(drawn["evidence"]) == ["computed", "measured"]
 
 
 @pytest.mark.parametrize(
     "rewritten",
     [
-        lambda text: b"\xef\xbb\xbf" + text.encode(),
-        lambda text: text.replace("\n", "\r\n").encode(),
-        lambda text: text.replace("\n", "\r").encode(),
-        lambda text: text.replace("\n", "\n\n").encode(),
-        lambda text: text.strip().encode(),
-        lambda text: text.replace("a,1", '"a",1').encode(),
-        lambda text: text.replace("# ", "#  ").replace(": ", ":").encode(),
+        lambda text: b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode(),
+        lambda text: text.replace("\n", "\n\n").strip().encode(),
+        lambda text: text.replace("a,1", '"a",1').replace("# ", "#  ").replace(": ", ":").encode(),
     ],
 )
 def test_what_programs_make_of_a_file_is_the_same_file(read, rewritten):
     plain = TOP + "a,1,2,,\nb,3,4,3,5\n"
-    one, other = read(plain), read(rewritten(plain))
-    assert one.table.equals(other.table)
-    assert one.header == other.header
+    first, second = read(plain), read(rewritten(plain))
+    assert first.table.equals(second.table)
+    assert first.header == second.header
 
 
 def test_the_panel_stands_before_the_name(read):
     table = read(TOP + "friction: a: b,30,0.1,,\nspin: a,30,0.1,,\n", "fig17").table
     assert list(table["panel"]) == ["friction", "spin"]
-    assert list(table["series"]) == [
-        points_series("digitised", "a: b"),
-        points_series("digitised", "a"),
-    ]
-
-
-def test_points_of_an_enlarged_view_belong_to_the_panel_it_shows(read):
+    assert list(table["series"]) == [points_series("digitised", name) for name in ("a: b", "a")]
+    # An enlarged view belongs to the panel it shows.
     assert list(read(TOP + "dips: a,1,1,,\n", "fig20").table["panel"]) == ["force"]
+    # An axis may begin below zero.
+    assert read(TOP + "normal: a,-1,-0.2,,\n", "fig24").table["x"].item() == -1.0
 
 
-@pytest.mark.parametrize("name", ["<script>alert(1)</script>", "$x", "_x", "5", "true", "é £", "'"])
+@pytest.mark.parametrize("name", ["<script>alert(1)</script>", "$x", "5", "true"])
 def test_a_name_is_text(read, name):
     points = read(TOP + f'"{name}",1,2,,\n')
     assert list(points.table["series"]) == [points_series("digitised", name)]
@@ -108,52 +94,38 @@ def test_a_name_is_text(read, name):
 
 
 ROW = "a,1,2,,\n"
-MALFORMED = {
-    "nothing": ("", "column names '' must be series,x,y,y_low,y_high"),
-    "no points": (TOP, "at least one point must follow"),
-    "one key less": (TOP.replace("# licence: CC0-1.0\n", "") + ROW, "header.licence: missing"),
-    "nobody": (
-        TOP.replace("# digitised_by: nobody\n", "") + ROW,
-        "header: give either digitised_by",
-    ),
-    "two origins": ("# measured_by: me\n" + TOP + ROW, "header: give either digitised_by or meas"),
-    "empty key": (TOP.replace("made up", "") + ROW, "header.source: '' must not be empty"),
-    "unknown key": (
-        "# license: MIT\n" + TOP + ROW,
-        "header.license: unknown key (did you mean 'lic",
-    ),
-    "key twice": (HEADER + "# source: other\n" + NAMES + ROW, "header: a key is given twice"),
-    "control character": (
-        TOP.replace("made up", "a\x1bb") + ROW,
-        "header.source: 'a\\x1bb' must be",
-    ),
-    "column misnamed": (HEADER + "series,x,y,y_low,y_hi\n" + ROW, "line 4: column names 'series,x"),
-    "semicolons": (TOP.replace(",", ";") + "a;1;2;;\n", "line 4: column names 'series;x"),
-    "too few fields": (TOP + "a,1,2\n", "line 5, series: must have 5 fields, has 3"),
-    "comma without quotes": (TOP + "a, b,1,2,,\n", "a name with a comma must stand in double quot"),
-    "quote amid a field": (TOP + '"a"b,1,2,,\n', "line 5: "),
-    "no name": (TOP + ",1,2,,\n", "line 5, series: '' must not be empty"),
-    "unprintable name": (TOP + "a\u202eb,1,2,,\n", "series: 'a\\u202eb' must be printable"),
-    "endless name": (TOP + 49 * "a" + ",1,2,,\n", "line 5, series: 'aaa"),
-    "no number": (TOP + "a,one,2,,\n", "line 5, x: 'one' must be a valid number"),
-    "decimal comma": (TOP + 'a,1,"2,5",,\n', "line 5, y: '2,5' must be a valid number"),
-    "empty number": (TOP + "a,,2,,\n", "line 5, x: None must be a valid number"),
-    "nan": (TOP + "a,1,nan,,\n", "line 5, y: nan must be a finite number"),
-    "infinite": (TOP + "a,1,1e999,,\n", "line 5, y: inf must be a finite number"),
-    "half a bar": (TOP + "a,1,2,1,\n", "line 5, y_low and y_high must be given both or neither"),
-    "bar above": (TOP + "a,1,2,2.5,3\n", "line 5, y_low: 2.5 must not exceed y, 2"),
-    "bar below": (TOP + "a,1,2,1,1.5\n", "line 5, y_high: 1.5 must not be below y, 2"),
-    "the same point": (
-        TOP + ROW + "b,1,2,,\na,1.0,2.00,,\n",
-        "line 7, series: repeats the point of",
-    ),
-    "latin-1": (TOP.encode() + "é,1,2,,\n".encode("latin-1"), "must be UTF-8 text, byte"),
-}
+# fmt: off
+MALFORMED = [
+    ("", "the header is ; it must be series, x, y, y_low, y_high"),
+    (TOP, "at least one point must follow"),
+    (TOP.replace("# licence: CC0-1.0\n", "") + ROW, "header.licence: missing"),
+    (TOP.replace("# digitised_by: nobody\n", "") + ROW, "header: give either digitised_by"),
+    ("# measured_by: me\n" + TOP + ROW, "header: give either digitised_by or measured_by"),
+    (TOP.replace("made up", "") + ROW, "header.source: '' must not be empty"),
+    ("# license: MIT\n" + TOP + ROW, "header.license: unknown key (did you mean 'licence'?)"),
+    ("# source: other\n" + TOP + ROW, "header: a key is given twice"),
+    (TOP.replace("made up", "a\x1bb") + ROW, "header.source: 'a\\x1bb' must be printable"),
+    (TOP.replace(",", ";") + "a;1;2;;\n", "the header is series;x"),
+    (TOP + "a, b,1,2,,\n", "line 5: must have 5 fields, has 6; one with a comma needs"),
+    (TOP + '"a"b,1,2,,\n', "line 5: "),
+    (TOP + ",1,2,,\n", "line 5, series: '' must not be empty"),
+    (TOP + "a\u202eb,1,2,,\n", "series: 'a\\u202eb' must be printable"),
+    (TOP + 49 * "a" + ",1,2,,\n", "aaa' must have at most 48 characters"),
+    (TOP + 'a,1,"2,5",,\n', "line 5, y: '2,5' must be a valid number"),
+    (TOP + "a,,2,,\n", "line 5, x: None must be a valid number"),
+    (TOP + "a,1,nan,,\n", "line 5, y: nan must be a finite number"),
+    (TOP + "a,1,2,1,\n", "line 5, y_low and y_high must be given both or neither"),
+    (TOP + "a,1,2,2.5,3\n", "line 5, y_low: 2.5 must not exceed y, 2"),
+    (TOP + "a,1,2,1,1.5\n", "line 5, y_high: 1.5 must not be below y, 2"),
+    (TOP + ROW + "b,1,2,,\na,1.0,2.00,,\n", "line 7, series: repeats the point of line 5"),
+    (TOP.encode() + "é,1,2,,\n".encode("latin-1"), "must be a text in UTF-8, byte"),
+]
+# fmt: on
 
 
-@pytest.mark.parametrize(("content", "message"), MALFORMED.values(), ids=MALFORMED)
+@pytest.mark.parametrize(("content", "message"), MALFORMED, ids=range(len(MALFORMED)))
 def test_a_malformed_file_is_refused_by_its_place(read, content, message):
-    with pytest.raises(DigitisedError) as caught:
+    with pytest.raises(ConfigError) as caught:
         read(content)
     assert any("/fig14.csv" in line and message in line for line in str(caught.value).split("\n"))
 
@@ -168,20 +140,15 @@ def test_a_malformed_file_is_refused_by_its_place(read, content, message):
     ],
 )
 def test_a_series_must_fit_its_figure(read, row, figure, message):
-    with pytest.raises(DigitisedError, match=re.escape(message)):
+    with pytest.raises(ConfigError, match=re.escape(message)):
         read(TOP + row, figure)
 
 
-def test_a_point_below_zero_is_one_where_the_axis_begins_there(read):
-    assert read(TOP + "normal: a,-1,-0.2,,\n", "fig24").table["x"].item() == -1.0
-
-
 def test_all_problems_come_together_and_of_many_the_first(read):
-    with pytest.raises(DigitisedError) as caught:
+    with pytest.raises(ConfigError) as caught:
         read("# x: y\n" + TOP + "a,1,y,,\na,x,1,,\n")
-    places = re.findall(r"header|line \d+", str(caught.value))
-    assert places == ["header", "line 6", "line 7"]
-    with pytest.raises(DigitisedError) as caught:
+    assert set(re.findall(r"header|line \d+", str(caught.value))) == {"header", "line 6", "line 7"}
+    with pytest.raises(ConfigError) as caught:
         read(TOP + "a,1,y,,\n" * 1000)
     assert len(str(caught.value).split("\n")) == 20
 
@@ -204,11 +171,9 @@ def test_a_folder_holds_points_by_figure(figures, folder):
     assert list(read_folder(place, figures)) == ["fig14", "fig16"]
 
 
-@pytest.mark.parametrize(
-    "name", ["fig014.csv", "Fig14.csv", "fig14.CSV", "fig14.txt", "fig03.csv", "ridge.csv"]
-)
+@pytest.mark.parametrize("name", ["fig014.csv", "fig14.txt", "fig03.csv", "ridge.csv"])
 def test_a_file_for_no_plot_of_the_article_is_refused_by_name(figures, folder, name):
-    with pytest.raises(DigitisedError) as caught:
+    with pytest.raises(ConfigError) as caught:
         read_folder(folder(name, "fig16.csv"), figures)
     (line,) = str(caught.value).split("\n")
     assert f"/{name}: must be named for a plot of the article" in line
@@ -218,14 +183,14 @@ def test_problems_of_all_files_are_told_together(figures, folder, tmp_path):
     (tmp_path / "fig15.csv").mkdir()
     (tmp_path / "fig17.csv").symlink_to("nothing.csv")
     place = folder("fig99.csv", "fig18.csv")
-    with pytest.raises(DigitisedError) as caught:
+    with pytest.raises(ConfigError) as caught:
         read_folder(place, figures)
     lines = str(caught.value).split("\n")
     assert "fig15.csv: Is a directory" in lines[0]
     assert "fig17.csv: No such file" in lines[1]
     assert "fig18.csv, line 5, series" in lines[2]
     assert "fig99.csv: must be named" in lines[3]
-    with pytest.raises(DigitisedError, match="digitised: 'elsewhere' must be a folder"):
+    with pytest.raises(ConfigError, match="digitised: 'elsewhere' must be a folder"):
         read_folder("elsewhere", figures)
 
 
@@ -235,23 +200,3 @@ def test_the_shipped_folder_holds_no_points_and_its_example_is_one(figures, read
     (example,) = re.findall(r"^```csv\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)
     assert "made up" in example
     assert len(read(example, "fig16").table) == 3
-
-
-def test_figure_data_get_the_points_as_rows_of_their_own(read, figures):
-    points = read(TOP + "R,1,2,1,3\n")
-    # a series of the same name as a computed one stays apart from it
-    own = series_frame(
-        panel="trends", series="R", evidence="computed", x=[1, 2], y=1, x_unit="m_per_s", y_unit="1"
-    )
-    table = overlaid({"fig14": own}, figures["fig14"], points)["fig14"]
-    assert list(table.columns) == list(own.columns)
-    assert list(table["series"]) == ["R", "R", points_series("digitised", "R")]
-    assert list(table["evidence"]) == ["computed", "computed", "digitised"]
-    assert table.iloc[2, 3:].tolist() == [1.0, 2.0, 1.0, 3.0]
-
-
-def test_a_study_is_given_the_points_of_its_figures_alone(read):
-    points = read(TOP + ROW)
-    both = {"fig14": points, "fig16": replace(points, figure="fig16")}
-    assert as_rows({}, ["fig15"]) == as_rows(both, ["fig15"]) == {}
-    assert list(parse_table(as_rows(both, ["fig16"])["digitised"])["figure"]) == ["fig16"]

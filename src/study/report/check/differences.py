@@ -1,25 +1,26 @@
-"""Differences of two tables, by the names of their rows and within tolerances."""
+"""Differences of two tables, by the names of their rows and within tolerances; in words."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal, TypeAlias, get_args
+from itertools import groupby
+from os.path import commonprefix
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 import pandas as pd
 
 from study.declared.parameters import NonNegative
-from study.report.check.results import key_columns
+from study.report.check.results import KEYS
 
 # In the order in which they are reported.
 Kind = Literal[
     "missing file",
     "extra file",
-    "altered file",
     "missing column",
     "extra column",
     "missing row",
@@ -28,6 +29,9 @@ Kind = Literal[
     "number",
 ]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+HEADER = ("row", "column", "reference", "result", "relative")
+# Differences of each kind that are shown, and characters of a cell; the name of a row is never cut.
+FEW, WIDTH = 5, 60
 
 # Keys of a row, and its number among the rows of these keys.
 RowName: TypeAlias = tuple[tuple[str, ...], int]
@@ -46,9 +50,7 @@ class Difference:
     """One difference: its place, and the cells of the reference and the result.
 
     `relative` is the relative difference of two numbers, infinite if it has no bound, as beside
-    zero or a missing number, and NaN for all else. `share` is the difference over the largest
-    number of the column, by which differences are ranked: numbers that are all but zero differ by
-    any factor.
+    zero or a missing number, and NaN for all else.
     """
 
     file: str
@@ -58,7 +60,6 @@ class Difference:
     reference: str = ""
     result: str = ""
     relative: float = math.nan
-    share: float = field(default=math.nan, compare=False)
 
 
 def compare_tables(
@@ -82,7 +83,8 @@ def compare_tables(
         Tolerance of a column by its name.
     """
     columns = [str(column) for column in reference if column in result]
-    declared = [column for column in key_columns(file) if column in columns]
+    named = next((names for start, names in KEYS.items() if file.startswith(start)), ())
+    declared = [column for column in named if column in columns]
     keys = declared or [c for c in columns if _has_words(reference[c]) or _has_words(result[c])]
     before, after = (_named_rows(table, keys) for table in (reference, result))
     label = _labels([*before, *after])
@@ -105,11 +107,13 @@ def compare_tables(
     for column in columns:
         a = reference[column].iloc[[before[name] for name in names]]
         b = result[column].iloc[[after[name] for name in names]]
-        sizes = _sizes(a, b, tolerance(column))
         differences += [
-            at(row=label(names[i]), column=column, reference=a.iloc[i], result=b.iloc[i], **size)
-            for i, size in sizes.items()
-        ]
+            at(
+                row=label(names[i]), column=column, reference=a.iloc[i], result=b.iloc[i],
+                kind="text" if math.isnan(size) else "number", relative=size,
+            )
+            for i, size in _sizes(a, b, tolerance(column)).items()
+        ]  # fmt: skip
     return differences
 
 
@@ -157,23 +161,92 @@ def _cells(table: pd.DataFrame, row: int, keys: Sequence[str]) -> str:
     return ", ".join(f"{column} {cell}" for column, cell in cells.items() if cell)
 
 
-def _sizes(before: pd.Series, after: pd.Series, tolerance: Tolerance) -> dict[int, dict[str, Any]]:
-    """Return kind and size of each difference of two columns of cells, by its position."""
+def _sizes(before: pd.Series, after: pd.Series, tolerance: Tolerance) -> dict[int, float]:
+    """Return the relative difference of the cells that differ, by position; NaN of texts."""
     if np.array_equal(before.to_numpy(), after.to_numpy()):
         return {}
     a, b = (_numbers(cells).to_numpy() for cells in (before, after))
     is_text = _is_text(before).to_numpy() | _is_text(after).to_numpy()
     agree = np.isclose(b, a, rtol=tolerance.rtol, atol=tolerance.atol, equal_nan=True) & ~is_text
-    largest = np.max(np.abs(a), initial=0.0, where=np.isfinite(a))
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        sizes = np.stack((np.abs(b - a) / np.abs(a), np.abs(b - a) / largest))
+        sizes = np.abs(b - a) / np.abs(a)
     # A size without bound is infinite, and a text has none.
     sizes = np.where(is_text, np.nan, np.where(np.isfinite(sizes), sizes, np.inf))
-    return {
-        i: {
-            "kind": "text" if is_text[i] else "number",
-            "relative": float(sizes[0, i]),
-            "share": float(sizes[1, i]),
-        }
-        for i in np.flatnonzero((before.to_numpy() != after.to_numpy()) & ~agree).tolist()
-    }
+    differ = (before.to_numpy() != after.to_numpy()) & ~agree
+    return {i: float(sizes[i]) for i in np.flatnonzero(differ).tolist()}
+
+
+def by_file(differences: Iterable[Difference]) -> dict[str, list[Difference]]:
+    """Return the differences by file, in the order in which the files first occur."""
+    files: dict[str, list[Difference]] = {}
+    for difference in differences:
+        files.setdefault(difference.file, []).append(difference)
+    return files
+
+
+def summary(differences: Sequence[Difference]) -> str:
+    """Count the differences of each kind in one line, and give the largest of numbers."""
+    counts = Counter(difference.kind for difference in differences)
+    parts = [f"{counts[k]} {k}{'s' if counts[k] > 1 else ''}" for k in KINDS if counts[k]]
+    relative = [d.relative for d in differences if math.isfinite(d.relative)]
+    if relative:
+        parts.append(f"largest relative difference {max(relative):.1e}")
+    return ", ".join(parts)
+
+
+def worst(differences: Sequence[Difference], few: int) -> list[Difference]:
+    """Return a few differences of every kind; of numbers the largest."""
+    ranked = sorted(
+        differences,
+        key=lambda d: (KINDS.index(d.kind), -(0.0 if math.isnan(d.relative) else d.relative)),
+    )
+    kinds = groupby(ranked, lambda difference: difference.kind)
+    return [d for _, group in kinds for d in list(group)[:few] if not d.kind.endswith("file")]
+
+
+def cells(difference: Difference, width: int = WIDTH) -> tuple[str, ...]:
+    """Return row, column, both values and the relative difference as short texts."""
+    relative = "" if math.isnan(difference.relative) else f"{difference.relative:.1e}"
+    texts = [difference.reference, difference.result]
+    # Long texts begin shortly before the first letter that differs.
+    same = len(commonprefix(texts))  # noqa: RUF071 (letters are meant)
+    start = max(0, same - width // 3) if max(map(len, texts)) > width else 0
+    cut = (
+        f"{'…' * (start > 0)}{text[start : start + width]}{'…' * (len(text) > start + width)}"
+        for text in texts
+    )
+    return (difference.row, difference.column or difference.kind, *cut, relative)
+
+
+def markdown(
+    differences: Iterable[Difference], few: int = FEW, *, names: tuple[str, str] = HEADER[2:4]
+) -> str:
+    """Return the differences as Markdown: a heading per file, and a table of the worst.
+
+    Parameters
+    ----------
+    few
+        How many of each kind are shown per file.
+    names
+        Of the two sides.
+    """
+    sections = []
+    for file, members in by_file(differences).items():
+        shown = worst(members, few)
+        lines = [f"### {file}: {summary(members)}"]
+        if shown:
+            lines += ["", *_table([(*HEADER[:2], *names, HEADER[4]), *map(cells, shown)])]
+            if len(members) > len(shown):
+                lines += ["", f"and {len(members) - len(shown)} more"]
+        sections.append("\n".join(lines))
+    return "\n\n".join(sections)
+
+
+def _table(rows: Sequence[Sequence[str]]) -> list[str]:
+    clean = [[" ".join(cell.split()).replace("|", "\\|") for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*clean, strict=True)]
+    lines = [
+        "| " + " | ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) + " |"
+        for row in clean
+    ]
+    return [lines[0], "|" + "|".join("-" * (w + 2) for w in widths) + "|", *lines[1:]]

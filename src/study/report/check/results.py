@@ -25,7 +25,7 @@ TABLE_FOLDERS = ("tables", "data", "figures")
 INPUTS = "tables/inputs.csv"
 CLAIMS = "tables/claims.csv"
 
-# Columns that name a row, where they are not simply all columns of text.
+# Columns that name a row of a table, or of those in a folder; else all columns of text do.
 KEYS = {
     INPUTS: ("file", "key"),
     CLAIMS: ("id",),
@@ -40,8 +40,8 @@ class ResultsError(ValueError):
     """Results that cannot be compared: not there, or not of the agreed form."""
 
 
-def require_results(root: Path) -> None:
-    """Refuse a folder that is missing or that no run has written.
+def require_results(root: Path, *needed: str) -> None:
+    """Refuse a folder that is missing, that no run has written, or that lacks needed files.
 
     Raises ResultsError, naming the folder.
     """
@@ -50,6 +50,8 @@ def require_results(root: Path) -> None:
     if not table_files(root) and not figure_files(root):
         folders = ", ".join(f"{name}/" for name in TABLE_FOLDERS)
         raise ResultsError(f"{root}: not a results folder: no files in {folders}")
+    if missing := [name for name in needed if not (root / name).is_file()]:
+        raise ResultsError(f"{root}: has no {', '.join(missing)}: build them with `snakemake`")
 
 
 def require_current(path: Path, stamp: Mapping[str, Any]) -> None:
@@ -84,11 +86,6 @@ def figure_files(root: Path) -> dict[str, Path]:
     """Return the SVG files of all figures below a root by the figure's name."""
     paths = sorted((root / "figures").glob("*.svg"))
     return {path.stem: path for path in paths if not path.name.startswith(".")}
-
-
-def key_columns(name: str) -> tuple[str, ...]:
-    """Return the columns that name a row of a table; none if its columns of text do."""
-    return next((keys for start, keys in KEYS.items() if name.startswith(start)), ())
 
 
 def read_cells(path: Path) -> pd.DataFrame:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from microimpact.core.files import altered_files, write_file
+from microimpact.core.files import write_file
 from study.declared.documents import load
 from study.declared.parameters import Name
 from study.report.check.differences import Difference, Tolerance, compare_tables
@@ -73,31 +73,6 @@ def read_tolerances(path: Path) -> Tolerances:
     return built(Tolerances, load(path), str(path)) if path.exists() else Tolerances()
 
 
-def require_same_settings(results: Path, reference: Path) -> None:
-    """Refuse results of a run with other settings altogether than the references come from.
-
-    A few changed inputs are differences to report; a full run beside the references of a small one
-    differs everywhere. Raises ResultsError, naming one of the inputs that differ and their number.
-    """
-    if not all(INPUTS in table_files(root) for root in (results, reference)):
-        return
-    before, after = (_configured(root) for root in (reference, results))
-    changed = [key for key in before if key in after and before[key] != after[key]]
-    if len(changed) > FEW_CHANGES:
-        key = changed[0]
-        raise ResultsError(
-            f"{results}: made with other settings than {reference}: {len(changed)} inputs differ, "
-            f"as {key}: {after[key]} where the references have {before[key]}; these are of the "
-            "small run: snakemake --configfile config/ci.yaml"
-        )
-
-
-def _configured(root: Path) -> dict[str, str]:
-    table = read_cells(table_files(root)[INPUTS])
-    table = table[table["file"] == "config"]
-    return dict(zip(table["key"], table["value"], strict=True))
-
-
 def verify(results: Path, reference: Path) -> list[Difference]:
     """Return all differences of results from their references, in both directions.
 
@@ -109,7 +84,6 @@ def verify(results: Path, reference: Path) -> list[Difference]:
     tolerances = read_tolerances(reference / FILE)
     before, after = table_files(reference), table_files(results)
     differences = [
-        *(Difference(file=name, kind="altered file") for name in _altered(results)),
         *(Difference(file=name, kind="missing file") for name in before if name not in after),
         *(Difference(file=name, kind="extra file") for name in after if name not in before),
     ]
@@ -126,15 +100,24 @@ def verify(results: Path, reference: Path) -> list[Difference]:
     return differences
 
 
-def _altered(results: Path) -> list[str]:
-    """Return the files that are not as the run wrote them, a picture by its table."""
-    paths = [path.relative_to(results) for path in altered_files(results)]
-    return sorted(
-        {
-            (path.with_suffix(".csv") if path.parts[0] == "figures" else path).as_posix()
-            for path in paths
-        }
-    )
+def require_same_settings(differences: Sequence[Difference]) -> None:
+    """Refuse results of a run with other settings altogether than the references come from.
+
+    A few changed inputs are differences to report; a full run beside the references of a small one
+    differs everywhere. Raises ResultsError, naming one of the inputs that differ and their number.
+    """
+    changed = [
+        d
+        for d in differences
+        if d.file == INPUTS and d.column == "value" and d.row.startswith("config, ")
+    ]
+    if len(changed) > FEW_CHANGES:
+        first = changed[0]
+        raise ResultsError(
+            f"{len(changed)} inputs differ, as {first.row.removeprefix('config, ')}: "
+            f"{first.result} where the references have {first.reference}; these are of the small "
+            "run: snakemake --configfile config/ci.yaml"
+        )
 
 
 def renew(
@@ -150,8 +133,7 @@ def renew(
     Raises
     ------
     ResultsError
-        If results are missing and `remove` is not set, or some are not as the run wrote them;
-        then nothing is written.
+        If results are missing and `remove` is not set; then nothing is written.
     """
     missing = [d.file for d in differences if d.kind == "missing file"]
     if missing and not remove:
@@ -160,26 +142,20 @@ def renew(
             f"({', '.join(missing[:3])}{', ...' if len(missing) > 3 else ''}); "
             "build everything, or give --remove to drop these references"
         )
-    if altered := [d.file for d in differences if d.kind == "altered file"]:
-        raise ResultsError(
-            f"{results}: not as the run wrote them: {', '.join(altered)}; delete them and run again"
-        )
     tables = table_files(results)
-    changed: dict[Path, None] = {}
+    changed = []
     for name in dict.fromkeys(d.file for d in differences):
         plain, packed = reference / name, reference / f"{name}.gz"
+        changed += [path for path in (plain, packed) if path.exists()]
         for path in (plain, packed):
-            if path.exists():
-                path.unlink()
-                changed[path] = None
+            path.unlink(missing_ok=True)
         if name in tables:
             text = _stored(read_cells(tables[name]))
             # Without a date in it, equal tables give equal bytes.
             is_small = len(text) <= PLAIN_BYTES
-            target = plain if is_small else packed
-            write_file(target, text if is_small else gzip.compress(text, mtime=0))
-            changed[target] = None
-    return list(changed)
+            changed.append(plain if is_small else packed)
+            write_file(changed[-1], text if is_small else gzip.compress(text, mtime=0))
+    return list(dict.fromkeys(changed))
 
 
 def _stored(table: pd.DataFrame) -> bytes:
