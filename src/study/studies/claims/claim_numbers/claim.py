@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, make_dataclass, replace
 from typing import Any, get_type_hints
 
-from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers
-from study.studies.claims.claim_numbers.params import Common
+from study.studies.claims.claim_numbers.context import Common, Context, Estimate, Numbers
 from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Row, reason
 
 Function = Callable[..., Numbers]

@@ -66,7 +66,7 @@ def c19(context: Context) -> Numbers:
     Friction follows the declared force; beside it, that of Hertz.
     """
     impact = context.rebounds()
-    hertz = context.impacts(context.speed, context.all_angles(), 0.0, "hertz")
+    hertz = context.impacts(context.speed, context.all_angles(), "hertz")
     friction, free = context.steel.friction, ~impact.captured
     return {
         "largest_impulse_ratio_over_friction": greatest(impact.impulse_ratio, free) / friction,
@@ -110,8 +110,9 @@ def c21(context: Context, *, above_capture: Positive, rest_speed_m_per_s: Positi
 @claim("C22", by_contact=True)
 def c22(context: Context, *, spin_ratio: Finite) -> Numbers:
     """Signed impulse ratio of Eq. (2) at normal incidence with spin of either sign and without."""
-    spins = spin_ratio * np.array([1.0, -1.0, 0.0])
-    impact = context.impacts(context.speed, 90.0, spins, "compressive")
+    steel, spins = context.steel, spin_ratio * np.array([[1.0], [-1.0], [0.0]])
+    spin = spins * context.speed / steel.radius
+    impact = simulate(steel, context.speed, 90.0, spin, "compressive")
     positive, negative, none = -impact.impulse_ratio
     return {
         "signed_impulse_ratio_positive_spin": positive,
