@@ -257,9 +257,3 @@ def test_a_bar_without_length_agrees_with_its_own_point_alone(run_study, points)
     inputs = {"digitised": rows_of(own), "fig17": curve("line", [0, 90], [0.0, 0.9])}
     found = run_study("digitised_comparison", inputs)["digitised_residuals"]
     assert found["normalised_rms"].tolist() == pytest.approx([0.0, np.inf])
-
-
-def test_without_points_the_table_is_a_header(run_study):
-    table = run_study("digitised_comparison")["digitised_residuals"]
-    assert table.empty
-    assert {"figure", "points", "series", "rms_difference", "within_bars"} <= set(table.columns)

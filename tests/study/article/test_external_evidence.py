@@ -74,12 +74,6 @@ class TestObliqueData:
         assert rows.loc[("steel-silicon, n = 1, mindlin", "greatest"), "value"] > 0.4
         assert rows.loc[("steel-silicon, n = 1, rigid", "greatest"), "value"] < 1e-9
 
-    def test_other_facts_are_no_rebounds(self, run_study):
-        with pytest.raises(
-            ValueError, match=r"external evidence, quantity must be one of .*got 'd"
-        ):
-            run_study("oblique_data", external="wall1990")
-
     def test_friction_moves_the_residuals(self, run_study, rms):
         other = run_study("oblique_data", friction=0.12)["oblique_residuals"]
         rows = other.query("reading == 'all'").set_index(["quantity", "branch", "law"]).sort_index()

@@ -32,12 +32,6 @@ def numbers(tables):
     return tables["force_ratios"].set_index("quantity")
 
 
-def test_the_ratio_that_fixed_the_damping_is_called_calibrated(numbers):
-    evidence = numbers["evidence"]
-    assert evidence["peak_adhesion_over_peak_hertz"] == "computed"
-    assert evidence["peak_adhesion_dissipation_over_adhesion"] == "calibrated"
-
-
 def test_adhesion_over_hertz_follows_the_greatest_compression(numbers, study):
     # 1/x_m: a faster sphere is compressed more, so the ratio falls
     faster = study(speed_m_per_s=10.4)["force_ratios"].set_index("quantity")

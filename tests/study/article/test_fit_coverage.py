@@ -155,11 +155,6 @@ def test_designs_of_the_file_are_what_the_study_computes(branch, inputs):
         assert list(curve > 0.0) == [False, True, False]
 
 
-def test_a_design_that_is_not_in_the_file_is_refused(run_study, earlier):
-    with pytest.raises(ValueError, match=r"averaged\.designs: 'viscous' is no design"):
-        run_study("fit_coverage", earlier, **FEW, averaged={"designs": ["viscous"]})
-
-
 def test_other_designs_do_not_change_a_design(run_study, earlier, tables):
     alone = {
         "sets": 60,
@@ -173,11 +168,14 @@ def test_other_designs_do_not_change_a_design(run_study, earlier, tables):
     assert fewer["held"].tolist() == same["held"].tolist()
 
 
-def test_noise_that_hides_rebounds_is_refused(run_study, earlier):
-    with pytest.raises(ValueError, match="noise_of_e: 1 hides too many rebounds"):
-        run_study("fit_coverage", earlier, **FEW, noise_of_e=[1.0], points=8)
-
-
-def test_a_case_without_a_fit_is_refused(run_study, earlier):
-    with pytest.raises(ValueError, match="case: 'lycopodium-silicon' must be one with a fit"):
-        run_study("fit_coverage", earlier, **FEW, case="lycopodium-silicon")
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"averaged": {"designs": ["viscous"]}}, r"averaged\.designs: 'viscous' is no design"),
+        ({"noise_of_e": [1.0], "points": 8}, "noise_of_e: 1 hides too many rebounds"),
+        ({"case": "lycopodium-silicon"}, "case: 'lycopodium-silicon' must be one with a fit"),
+    ],
+)
+def test_wrong_designs_are_refused(run_study, earlier, changes, message):
+    with pytest.raises(ValueError, match=message):
+        run_study("fit_coverage", earlier, **FEW, **changes)

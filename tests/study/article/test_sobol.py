@@ -78,9 +78,11 @@ def test_a_case_without_levels_is_named(run_study, earlier):
         run_study("sensitivity", some, samples=32, calibrated_samples=32, resamples=20)
 
 
-def test_draws_outside_the_admissible_are_named(run_study, earlier):
+@pytest.mark.parametrize(
+    ("name", "deviation"),
+    [("restitution_deviation", 0.3), ("capture_velocity_deviation_m_per_s", 0.2)],
+)
+def test_draws_outside_the_admissible_are_named(run_study, earlier, name, deviation):
     small = {"samples": 32, "calibrated_samples": 32, "resamples": 20}
-    with pytest.raises(ValueError, match="restitution_deviation: draws"):
-        run_study("sensitivity", earlier, **small, restitution_deviation=0.3)
-    with pytest.raises(ValueError, match="capture_velocity_deviation_m_per_s: draws"):
-        run_study("sensitivity", earlier, **small, capture_velocity_deviation_m_per_s=0.2)
+    with pytest.raises(ValueError, match=f"{name}: draws"):
+        run_study("sensitivity", earlier, **small, **{name: deviation})
