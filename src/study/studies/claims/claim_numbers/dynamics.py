@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.lab.events import Impacts
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import Impact, simulate
+from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.statistics.intervals import student_half_width
@@ -34,7 +33,7 @@ from study.studies.claims.claim_numbers.experiments import ABOVE_CAPTURE
 from study.studies.claims.claim_numbers.experiments import POINTS as CURVE_POINTS
 from study.studies.claims.claim_numbers.oblique import sampled
 from study.studies.claims.claim_numbers.rigid_body import farthest
-from study.studies.contacts import calibrated_contact
+from study.studies.contacts import DRAWN, calibrated_contact
 from study.studies.samples import Dropped, reduce_to
 
 # Factor by which each base unit (mass, length, time) is changed: a power of two is exact.
@@ -47,6 +46,13 @@ TABOR_STRAIN = 0.2
 MOMENTS = ("impact_over_friction", "damping_over_friction")
 # Points of curves over speed.
 POINTS = 60
+# Columns in which members of the calibrated family differ.
+FAMILY = (
+    "work_of_adhesion_J_per_m2",
+    "hertz_damping_s_per_m",
+    "adhesion_damping_s_per_m",
+    "rate_exponent",
+)
 
 
 @claim("C25")
@@ -262,12 +268,13 @@ def c41(context: Context, *, dropped: Dropped, angle_deg: AngleDegrees) -> Numbe
     gaps = [gap_over_half_width(context, dropped, float(angle)) for angle in oblique]
     impact = context.rebounds(oblique)
     loss = impact.translational_energy_loss - impact.energy_loss
+    after = context.hit(steel, context.speed, angle_deg)
+    rotation = INERTIA * np.square(steel.radius * after.spin)
+    moving = np.square(after.normal_velocity) + np.square(after.tangential_velocity)
     return {
         "largest_gap_of_losses_over_half_width": max(gaps),
         "least_gap_of_losses": np.min(loss[~impact.captured]),
-        "rotational_share_of_final_energy": rotational_share(
-            steel, context.hit(steel, context.speed, angle_deg)
-        ),
+        "rotational_share_of_final_energy": rotation / (rotation + moving),
     }
 
 
@@ -282,24 +289,11 @@ def gap_over_half_width(context: Context, dropped: Dropped, angle: float) -> flo
     if len(free) < params.sampling.events:
         return 0.0
     loss = reduce_to(free.in_plane, len(impacts), params.sampling).means["energy_loss"]
-    gap = np.mean(gained_by_rotation(free))
+    # Rotational energy gained over the translational energy before.
+    gained = np.sum(np.square(free.rebound_spin) - np.square(free.spin), axis=1)
+    before = np.sum(np.square(free.velocity), axis=1)
+    gap = np.mean(INERTIA * np.square(0.5 * free.diameter) * gained / before)
     return float(gap / student_half_width(loss.sd, params.sampling.events, loss.systematic))
-
-
-def gained_by_rotation(impacts: Impacts) -> FloatArray:
-    """Return the rotational energy gained over the translational energy before each impact."""
-    radius = 0.5 * impacts.diameter
-    gained = np.sum(np.square(impacts.rebound_spin) - np.square(impacts.spin), axis=1)
-    before = np.sum(np.square(impacts.velocity), axis=1)
-    share: FloatArray = INERTIA * np.square(radius) * gained / before
-    return share
-
-
-def rotational_share(contact: Contact, impact: Impact) -> float:
-    """Return the share of rotation in the kinetic energy after an impact."""
-    rotation = INERTIA * np.square(contact.radius * impact.spin)
-    moving = np.square(impact.normal_velocity) + np.square(impact.tangential_velocity)
-    return float(rotation / (rotation + moving))
 
 
 @claim("C42", by_case=True)
@@ -339,30 +333,21 @@ def c99(
     open_speed_m_per_s: Positive,
     flat_within: Positive,
 ) -> Numbers:
-    """Error of e at speeds not fitted, and how far members of the family differ."""
+    """Error of e at speeds not fitted, and how far members of the family differ.
+
+    Members that keep e flat enough, of all rate exponents.
+    """
     contact = context.steel
     e = simulate(contact, np.array(held_out_speeds_m_per_s)).coefficient_of_restitution
-    members = flat_members(context, contact, flat_within)
-    at_open_speed = simulate(members, open_speed_m_per_s).coefficient_of_restitution
-    error = np.max(np.abs(e - context.params.steel.restitution))
-    return {"largest_error": error, "spread_of_members": np.ptp(at_open_speed)}
-
-
-def flat_members(context: Context, contact: Contact, flat_within: float) -> Contact:
-    """Return the members (n,) of the family that keep e flat enough, of all rate exponents.
-
-    Raises ValueError if there is none.
-    """
     table = context.table("calibration_family")
     flat = table[table["deviation_from_plateau"] <= flat_within]
     if flat.empty:
         raise ValueError("flat_within: no member of the calibrated family is so flat")
-    return contact.replace(
-        work_of_adhesion=flat["work_of_adhesion_J_per_m2"].to_numpy(float),
-        hertz_damping=flat["hertz_damping_s_per_m"].to_numpy(float),
-        adhesion_damping=flat["adhesion_damping_s_per_m"].to_numpy(float),
-        adhesion_rate_exponent=flat["rate_exponent"].to_numpy(float),
-    )
+    fields = {DRAWN[name]: flat[name].to_numpy(float) for name in FAMILY}
+    members = contact.replace(**fields)
+    at_open_speed = simulate(members, open_speed_m_per_s).coefficient_of_restitution
+    error = np.max(np.abs(e - context.params.steel.restitution))
+    return {"largest_error": error, "spread_of_members": np.ptp(at_open_speed)}
 
 
 @claim("C100", by_case=True)

@@ -8,7 +8,6 @@ import numpy as np
 import scipy
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.data import DataSets, data_sets
@@ -85,13 +84,9 @@ def noisy_sets(context: Context, fitted_from: float, rebounds: int, sets: int) -
     contact = context.steel
     speed = float(capture_velocity(contact)) * np.geomspace(fitted_from, FITTED_TO, rebounds)
     e = simulate(contact, speed).coefficient_of_restitution
-    sigma = restitution_noise(context, speed, e)
+    # Of one event: noise of both speeds by the analyser.
+    noise = context.params.analyser.velocity_noise
+    sigma = np.asarray(np.hypot(noise(e * speed), e * noise(speed)) / speed)
     rng = generator(context.params.sampling.seed, ANALYSIS)
     measured = np.maximum(e + sigma * rng.standard_normal((sets, e.size)), 0.0)
     return data_sets(speed, measured, (measured > 0.0) / sigma)
-
-
-def restitution_noise(context: Context, speed: FloatArray, e: FloatArray) -> FloatArray:
-    """Return the standard deviation of e of one event: noise of both speeds by the analyser."""
-    noise = context.params.analyser.velocity_noise
-    return np.asarray(np.hypot(noise(e * speed), e * noise(speed)) / speed)

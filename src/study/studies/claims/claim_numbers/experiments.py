@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
+import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
@@ -367,42 +368,45 @@ def c66(
 
     Beside both onsets, their largest and least difference over all targets.
     """
-    velocities = strong_capture_m_per_s, weak_capture_m_per_s
-    meant = radius_mm, slope_deg
-    return {
-        f"{100.0 * share:g} % stay": piles(context, share, velocities, meant) for share in shares
-    }
-
-
-def piles(
-    context: Context, share: float, velocities: tuple[float, float], meant: tuple[float, float]
-) -> Numbers:
-    """Return both onsets, and their largest and least difference over all targets and scatters."""
     table = context.table("pile_up")
-    targets = table[["target_radius_mm", "slope_deg"]].drop_duplicates().to_numpy(float)
-    onsets = {
-        (radius, slope): [first_pile(context, radius, slope, each, share) for each in velocities]
-        for radius, slope in targets.tolist()
-    }
-    near = min(onsets, key=lambda target: np.abs(np.subtract(target, meant)).tolist())
-    strong, weak = onsets[near]
-    difference = [abs(strong - weak) for strong, weak in onsets.values()]
-    return {
-        "onset_speed_with_strong_capture": strong,
-        "onset_speed_with_weak_capture": weak,
-        "largest_difference_of_onset_speeds": max(difference),
-        "least_difference_of_onset_speeds": min(difference),
-    }
+    velocities = strong_capture_m_per_s, weak_capture_m_per_s
+    targets = table[["target_radius_mm", "slope_deg"]].drop_duplicates().to_numpy(float).tolist()
+    meant = min(targets, key=lambda t: [abs(t[0] - radius_mm), abs(t[1] - slope_deg)])
+    numbers = {}
+    for share in shares:
+        onsets = [
+            [first_pile(table, radius, slope, each, share) for each in velocities]
+            for radius, slope in targets
+        ]
+        strong, weak = onsets[targets.index(meant)]
+        difference = np.abs(np.diff(onsets))
+        numbers[f"{100.0 * share:g} % stay"] = {
+            "onset_speed_with_strong_capture": strong,
+            "onset_speed_with_weak_capture": weak,
+            "largest_difference_of_onset_speeds": np.max(difference),
+            "least_difference_of_onset_speeds": np.min(difference),
+        }
+    return numbers
 
 
 def first_pile(
-    context: Context, radius: float, slope: float, velocity: float, wanted: float
+    table: pd.DataFrame, radius: float, slope: float, velocity: float, wanted: float
 ) -> float:
     """Return the highest speed (m/s) at which the share that counts as a pile rests on a target.
 
-    The slowest of the speeds tried, if there is no pile at any of them.
+    The slowest of the speeds tried, if there is no pile at any of them. Raises ValueError if none
+    was tried with the capture velocity.
+
+    Parameters
+    ----------
+    table
+        ``pile_up``.
+    radius, slope, velocity
+        Of the target, mm and degrees; capture velocity, m/s.
+    wanted
+        The share.
     """
-    rows = context.table("pile_up", target_radius_mm=radius, slope_deg=slope)
+    rows = table[(table["target_radius_mm"] == radius) & (table["slope_deg"] == slope)]
     rows = rows[np.isclose(rows["capture_velocity_m_per_s"], velocity)]
     if rows.empty:
         raise ValueError(f"pile_up: no row with capture_velocity_m_per_s {velocity:g}")

@@ -155,9 +155,9 @@ def c13(context: Context, *, angles_deg: SteepToShallow) -> Numbers:
     }
 
 
-def translational_loss(context: Context, speed: float, steep: float, shallow: float) -> FloatArray:
+def translational_loss(context: Context, speed: float, *steep_to_shallow: float) -> FloatArray:
     """Return the loss of Eq. (3) in all steps from the steep angle to the shallow one."""
-    angles = context.all_angles(steep, shallow)
+    angles = context.all_angles(*steep_to_shallow)
     return np.asarray(context.impacts(speed, angles).translational_energy_loss)
 
 
@@ -389,11 +389,9 @@ def class_mean(
 
     Raises ValueError if too few rebound.
     """
-    speed = speed_class.speed_m_per_s
-    of_class = replace(
-        dropped, speed_m_per_s=speed, speed_range_m_per_s=speed_class.speed_range_m_per_s
-    )
+    of_class = replace(dropped, **asdict(speed_class))
     if not context.seen(of_class, angle).measured:
+        speed = speed_class.speed_m_per_s
         raise ValueError(f"of the class at {speed:g} m/s no sphere rebounds at {angle:g} deg")
     return context.mean("restitution", of_class, angle)
 
@@ -509,15 +507,13 @@ def c79(
         losses = [context.seen(at, angle).means["energy_loss"] for angle in angles_deg]
         return next(departures(angles_deg, losses, context.params.sampling), angles_deg[-1])
 
+    def nearest(name: str, spins: tuple[float, ...]) -> float:
+        angles = [departure(classes[name], spin) for spin in spins]
+        return min(angles, key=lambda angle: (abs(angle - departures_deg[name]), angle))
+
     alternatives = {"without spin": (0.0,), "with some spin": (0.0, *mean_spins)}
     return {
-        words: {
-            f"angle_of_departure_of_{name}_class": min(
-                (abs(angle - printed), angle)
-                for angle in (departure(classes[name], spin) for spin in spins)
-            )[1]
-            for name, printed in departures_deg.items()
-        }
+        words: {f"angle_of_departure_of_{name}_class": nearest(name, spins) for name in classes}
         for words, spins in alternatives.items()
     }
 

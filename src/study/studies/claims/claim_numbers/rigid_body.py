@@ -254,19 +254,15 @@ def c108(context: Context, *, attachment_damped: bool) -> Numbers:
 
     As the model supposes, with damping on rebound alone, and with damping on approach as well.
     """
-    supposed, damped = (
-        rebound_share(context, damped=damped) for damped in (attachment_damped, True)
-    )
+
+    def rebound_share(damped: bool) -> float:
+        contact = context.steel.replace(damped_attachment=damped)
+        path = trajectory(contact, context.speed, points=INSTANTS)
+        power = np.abs(path.adhesion_damping_force * path.velocity)
+        rebound = np.trapezoid(np.where(path.velocity > 0.0, power, 0.0), path.time)
+        return float(rebound / np.trapezoid(power, path.time))
+
     return {
-        "rebound_share_of_adhesion_loss": supposed,
-        "rebound_share_if_approach_is_damped": damped,
+        "rebound_share_of_adhesion_loss": rebound_share(attachment_damped),
+        "rebound_share_if_approach_is_damped": rebound_share(damped=True),
     }
-
-
-def rebound_share(context: Context, damped: bool) -> float:
-    """Return the share of the loss on rebound, with damping on approach as well or without."""
-    contact = context.steel.replace(damped_attachment=damped)
-    path = trajectory(contact, context.speed, points=INSTANTS)
-    power = np.abs(path.adhesion_damping_force * path.velocity)
-    rebound = np.trapezoid(np.where(path.velocity > 0.0, power, 0.0), path.time)
-    return float(rebound / np.trapezoid(power, path.time))
