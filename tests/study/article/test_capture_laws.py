@@ -188,13 +188,3 @@ def test_onset_of_yield_by_hand(table):
     pressure = 2 * modulus / math.pi * math.sqrt(compression / 31e-6)
     assert pressure == pytest.approx(1.6 * 205e6, rel=1e-9)
     assert yield_velocity(contact, 2 * 205e6) == pytest.approx(found * 2**2.5, rel=1e-12)
-
-
-def test_a_case_without_a_printed_velocity(study, draw, legend_texts):
-    case = "lycopodium-silicon"
-    tables = study(pairs={case: {}} | dict.fromkeys(PRINTED), points=9)
-    table = tables["capture_laws"]
-    assert set(table["pair"]) == {case}
-    assert table["printed_m_per_s"].isna().all()
-    figure = draw("capture_laws", tables)
-    assert "printed capture velocity" not in legend_texts(figure)

@@ -81,15 +81,6 @@ def test_points_lie_over_the_panel_they_name(coulomb, figures, points, draw, leg
     assert [text for text in texts if text.startswith("digitised")] == new
 
 
-def test_axes_grow_to_show_every_point(coulomb, points, drawn_over):
-    own = points("fig17", "spin: a,-5,0.9,0.8,1.2", "spin: a,30,0.1,,")
-    _, spin = drawn_over("fig17", coulomb, own).axes
-    assert spin.get_xlim()[0] < -5
-    assert spin.get_ylim()[1] > 1.2
-    (marks,) = crosses(spin)
-    assert np.isfinite(marks.get_xydata()).all()
-
-
 def test_a_name_is_no_markup(coulomb, figures, points, draw, tmp_path):
     names = ["$x", "$x^2$", r"a\$b$", "<script>", "_x", "a -- b", "100 %", "{"]
     lines = [f'"spin: {name}",{i},0.1,,' for i, name in enumerate(names)]

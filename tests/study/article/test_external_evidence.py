@@ -80,12 +80,6 @@ class TestObliqueData:
         place = ("tangential_restitution", "sliding", "rigid")
         assert rows.loc[place, "rms"] > 3 * rms.loc[place, "rms"]
 
-    def test_the_printed_angle_vanishes_for_another_pair(self, run_study):
-        another = {"microspheres": {"case": "ammonium-fluorescein-mica", "speed_m_per_s": 20.0}}
-        made = run_study("oblique_data", **another)
-        for name in ("contact_point", "tangential_bounds"):
-            assert "printed" not in set(made[name]["evidence"])
-
     def test_where_no_impact_slides_nothing_is_said_of_the_transition(self, run_study):
         another = {"microspheres": {"case": "ammonium-fluorescein-mica", "speed_m_per_s": 1.66}}
         rows = run_study("oblique_data", **another)["tangential_bounds"]
@@ -143,8 +137,3 @@ class TestExternalEvidence:
         row = self.rows(evidence, "apparent restitution").iloc[0]
         assert row["computed"] == 0.9
         assert row["agreement"] == external_evidence.DISAGREES
-
-    def test_a_missing_fact_is_named(self):
-        facts = pd.DataFrame({"name": [], "quantity": []})
-        with pytest.raises(ValueError, match=r"wall1990\.greatest_energy_loss: 0 rows, must be 1"):
-            external_evidence.fact(facts, "wall1990", "greatest_energy_loss")

@@ -27,14 +27,6 @@ def test_every_target_is_met(tables):
     assert sorted(ends) == pytest.approx([0.9, 1.1], rel=1e-6)
 
 
-def test_every_parameter_is_there_and_calibrated(tables):
-    table = tables["calibration"]
-    for case, rows in table.groupby("case"):
-        names = set(rows.query("role == 'parameter'")["quantity"])
-        assert {"diameter", "work_of_adhesion", "adhesion_damping"} <= names, case
-    assert set(table["evidence"]) == {"calibrated"}
-
-
 def test_a_small_work_of_adhesion_has_no_solution_and_says_why(members):
     weak = members.query("rate_exponent == 0 and work_of_adhesion_J_per_m2 <= 0.5")
     assert not weak["solved"].any()

@@ -1,7 +1,13 @@
 """Numbers behind the claims of the article, by section; the claims ledger judges them.
 
 One function per claim, named after it; its docstring says what is computed. What the article
-states, and the criteria, are in ``config/claims.yaml``.
+states, and the criteria, are in ``config/claims.yaml``; so are, under ``with``, the settings that
+are the function's keyword arguments.
+
+Arguments of all other functions: ``context``, the contact, settings and tables of one case;
+``dropped``, particles of a speed class on their surface; ``quantity``, the name of a mean,
+``restitution``, ``impulse_ratio`` or ``energy_loss``; angles of incidence in degrees, those of a
+trend from steep to shallow. All else is in SI units unless its name or docstring has a unit.
 """
 
 from __future__ import annotations

@@ -218,39 +218,38 @@ class Context:
 
     # Samples of virtual impacts
 
-    @property
-    def series(self) -> Sampling:
-        """How samples are drawn at many angles or settings."""
-        return replace(self.params.sampling, impacts=self.params.series_impacts)
+    def drawing(self, **changes: Any) -> Self:
+        """Return the context with samples drawn in another way: fields of `Sampling` changed."""
+        sampling = replace(self.params.sampling, **changes)
+        return replace(self, params=replace(self.params, sampling=sampling))
 
-    def sample(self, dropped: Dropped, sampling: Sampling | None = None) -> Sample:
+    @property
+    def series(self) -> Self:
+        """The context with the smaller samples that are drawn at many angles or settings."""
+        return self.drawing(impacts=self.params.series_impacts)
+
+    def sample(self, dropped: Dropped) -> Sample:
         """Return a large sample of virtual impacts; of the case, if there is one."""
         dropped = replace(dropped, case=self.case or dropped.case)
         # The contact has the mean diameter; spin and slopes are none of it.
         key = replace(dropped, spin=NO_SPIN, surface_slope=0.0)
         contact = self._once(key, lambda: contact_of(dropped, self.inputs))
-        return Sample(dropped=dropped, contact=contact, sampling=sampling or self.params.sampling)
+        return Sample(dropped=dropped, contact=contact, sampling=self.params.sampling)
 
-    def seen(self, dropped: Dropped, angle: float, sampling: Sampling | None = None) -> Seen:
+    def seen(self, dropped: Dropped, angle: float) -> Seen:
         """Return the rebounds of a sample at an angle in degrees."""
-        sample = self.sample(dropped, sampling)
+        sample = self.sample(dropped)
         seen: Seen = self._once((sample, angle), lambda: sample.seen(angle))
         return seen
 
-    def mean(
-        self, quantity: str, dropped: Dropped, angle: float, sampling: Sampling | None = None
-    ) -> Estimate:
+    def mean(self, quantity: str, dropped: Dropped, angle: float) -> Estimate:
         """Return the mean over the rebounds of a sample; arguments as in `over_half_width`."""
-        sample = self.seen(dropped, angle, sampling)
-        mean = sample.means[quantity]
-        return Estimate(mean.value, mean.sd / np.sqrt(max(len(sample.measured), 1)))
+        seen = self.seen(dropped, angle)
+        mean = seen.means[quantity]
+        return Estimate(mean.value, mean.sd / np.sqrt(max(len(seen.measured), 1)))
 
     def over_half_width(
-        self,
-        quantity: str,
-        first: tuple[Dropped, float],
-        second: tuple[Dropped, float],
-        sampling: Sampling | None = None,
+        self, quantity: str, first: tuple[Dropped, float], second: tuple[Dropped, float]
     ) -> Estimate:
         """Return a difference of means over the half-width of its interval.
 
@@ -260,12 +259,10 @@ class Context:
             ``restitution``, ``impulse_ratio`` or ``energy_loss``.
         first, second
             Of the difference first less second: samples, and their angles in degrees.
-        sampling
-            How the samples are drawn.
         """
-        a, b = (self.seen(*end, sampling).means[quantity] for end in (first, second))
-        apart = self.mean(quantity, *first, sampling) - self.mean(quantity, *second, sampling)
-        return apart / half_width(a, b, sampling or self.params.sampling)
+        a, b = (self.seen(*end).means[quantity] for end in (first, second))
+        apart = self.mean(quantity, *first) - self.mean(quantity, *second)
+        return apart / half_width(a, b, self.params.sampling)
 
     # Tables
 

@@ -241,7 +241,7 @@ def c67(context: Context, *, dropped: Dropped, spin_sd: NonNegative) -> Numbers:
 def found_regions(context: Context, dropped: Dropped) -> Numbers:
     """Return the kinds of regions between change points, and the width of the transition."""
     angle = REGION_ANGLES
-    means = [context.mean("impulse_ratio", dropped, a, context.series) for a in angle.tolist()]
+    means = [context.series.mean("impulse_ratio", dropped, a) for a in angle.tolist()]
     mean, error = np.array(means, dtype=float).T
     known = np.isfinite(mean)
     if not known.any():
@@ -466,7 +466,7 @@ def c78(
 
     def ratio(mean: float, sd: float) -> Mean:
         spun = replace(dropped, spin=InitialSpin(mean=mean, sd=sd))
-        return context.seen(spun, angle_deg, context.series).means["impulse_ratio"]
+        return context.series.seen(spun, angle_deg).means["impulse_ratio"]
 
     def lower_end(sd: float) -> float:
         mean = ratio(0.0, sd)

@@ -259,7 +259,6 @@ def varied_restitution(
     context: Context, dropped: Dropped, sources: tuple[str, ...], angle: float
 ) -> float:
     """Return the mean measured restitution with only some sources of scatter."""
-    sampling = context.params.sampling
     if "spin" not in sources:
         dropped = replace(dropped, spin=NO_SPIN)
     if "slope" not in sources:
@@ -267,6 +266,6 @@ def varied_restitution(
     if "diameter" not in sources:
         dropped = replace(dropped, diameter_um=Constant(at=mean(dropped.diameter_um)))
     if "speed" not in sources:
-        still = replace(sampling.dispenser, exit_speed_m_per_s=0.0)
-        sampling = replace(sampling, dispenser=still)
-    return float(context.mean("restitution", dropped, angle, sampling).value)
+        still = replace(context.params.sampling.dispenser, exit_speed_m_per_s=0.0)
+        context = context.drawing(dispenser=still)
+    return float(context.mean("restitution", dropped, angle).value)

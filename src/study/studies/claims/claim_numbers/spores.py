@@ -19,7 +19,7 @@ from study.studies.claims.claim_numbers.context import (
     Numbers,
     SteepToShallow,
 )
-from study.studies.samples import Dropped, Sampling
+from study.studies.samples import Dropped
 
 
 @claim("C17")
@@ -158,23 +158,17 @@ def c86(
     }
 
 
-def rise(
-    context: Context,
-    quantity: str,
-    dropped: Dropped,
-    trend: tuple[float, float],
-    sampling: Sampling | None = None,
-) -> Estimate:
+def rise(context: Context, quantity: str, dropped: Dropped, trend: tuple[float, float]) -> Estimate:
     """Return the rise of a mean on Formica from steep to shallow, over its half-width."""
     steep, shallow = trend
-    return context.over_half_width(quantity, (dropped, shallow), (dropped, steep), sampling)
+    return context.over_half_width(quantity, (dropped, shallow), (dropped, steep))
 
 
 def lesser_rise(
     context: Context, quantity: str, samples: tuple[Dropped, Dropped], trend: tuple[float, float]
 ) -> Estimate:
     """Return the lesser rise of a mean, of steel and of one sort of spores."""
-    return min(rise(context, quantity, sample, trend, context.series) for sample in samples)
+    return min(rise(context.series, quantity, sample, trend) for sample in samples)
 
 
 def formica(context: Context, column: str, angles: ArrayLike | None = None) -> pd.Series:
@@ -188,7 +182,7 @@ def compared(
     """Return differences of a mean from an angle up, steel less spores, over half-widths."""
     angles = formica(context, f"{quantity}_difference").index
     return [
-        context.over_half_width(quantity, (steel, angle), (spore, angle), context.series)
+        context.series.over_half_width(quantity, (steel, angle), (spore, angle))
         for angle in angles[angles >= least]
     ]
 
@@ -254,6 +248,6 @@ def c89(context: Context, *, spore: Dropped, trend_deg: AngleRange) -> Numbers:
     )
     return {
         "captured_share": captured,
-        "rise_over_half_width": rise(context, "restitution", spore, trend_deg, context.series),
+        "rise_over_half_width": rise(context.series, "restitution", spore, trend_deg),
         "bias_of_conditional_mean": bias,
     }
