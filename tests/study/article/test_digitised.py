@@ -53,11 +53,18 @@ def coulomb(run_study):
     return run_study("coulomb_friction")
 
 
+def legend_texts(figure):
+    """Return all texts of the legends of a figure, those of its panels included."""
+    legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes)]
+    present = [legend for legend in legends if legend is not None]
+    return [text.get_text() for legend in present for text in legend.get_texts()]
+
+
 def crosses(ax):
     return [line for line in ax.lines if line.get_marker() in style.POINT_MARKS["digitised"]]
 
 
-def test_points_lie_over_the_panel_they_name(coulomb, figures, points, draw, legend_texts):
+def test_points_lie_over_the_panel_they_name(coulomb, figures, points, draw):
     own = points(
         "fig17",
         "friction: 0.15,30,0.14,0.12,0.17",
@@ -121,9 +128,7 @@ def rows_of(points):
 SPEEDS = [0.15, 0.19, 0.21, 0.25, 0.3, 0.4, 0.5, 0.7, 1.0, 1.4, 1.7, 2.0]
 
 
-def test_points_of_a_case_are_fitted(
-    run_study, calibration, settings, points, drawn_over, legend_texts
-):
+def test_points_of_a_case_are_fitted(run_study, calibration, settings, points, drawn_over):
     lines = [*eq_34(CASE, SPEEDS, noise=1e-4), f'"{OTHER}",1.0,0.6,,', "unknown,1,0.5,,"]
     cases = settings.branches["restitution_fits"]["cases"]
     few = {n: None for n, c in cases.items() if c["figure"] != "fig16" and c["fitted"]}

@@ -6,8 +6,8 @@ import pytest
 
 
 @pytest.fixture(scope="module")
-def tables(shipped_calibration):
-    return shipped_calibration
+def tables(made):
+    return made("calibration")
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.constants import gravity
-from microimpact.core.solve import IntArray, root
+from microimpact.core.solve import root
 from microimpact.lab.pdpa.pairing import Form, correct
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
@@ -90,19 +90,9 @@ def c03(
 ) -> Numbers:
     """Slowest rebound that climbs to the probe, and share of the rebounds that do not."""
     slowest = np.sqrt(2.0 * gravity * 1e-3 * probe_height_mm)
-    diameters, steel = of_class(diameter_um, sizes), context.steel
-
-    def first_faster(rebound: float) -> IntArray:
-        below, above = np.full(steel.shape, -1), np.full(steel.shape, sizes)
-        while np.any(above - below > 1):
-            middle = np.maximum((below + above) // 2, 0)
-            impact = normal_impact(resized(steel, diameters[middle]), speed_m_per_s)
-            faster = impact.coefficient_of_restitution * speed_m_per_s > rebound
-            below, above = np.where(faster, below, middle), np.where(faster, middle, above)
-        return above
-
-    # The larger a sphere, the faster its rebound, so that two places among the sizes tell all.
-    captured, slow = (first_faster(least) for least in (0.0, slowest))
+    spheres = resized(context.steel, of_class(diameter_um, sizes)[:, None])
+    rebound = speed_m_per_s * normal_impact(spheres, speed_m_per_s).coefficient_of_restitution
+    captured, slow = (np.sum(rebound <= least, axis=0) for least in (0.0, slowest))
     if np.all(captured == sizes):
         raise ValueError(f"C03.speed_m_per_s: no sphere rebounds at {speed_m_per_s:g}")
     share = (slow - captured) / np.maximum(sizes - captured, 1)
