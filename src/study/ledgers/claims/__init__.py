@@ -25,7 +25,7 @@ from study.ledgers.claims.judging import (
     verdict,
 )
 from study.ledgers.claims.shares import GROUPS, Share, shares
-from study.ledgers.claims.words import bounds, computed_values, failing, sentence
+from study.ledgers.claims.words import bounds, computed_values, fails, sentence
 from study.tables import NOT_COMPUTED, Row
 
 # Loaded where a ledger is judged: the pages, which read it as text, do without.
@@ -170,7 +170,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
     lacking = numbers[numbers["problem"] != ""]
     labels = claim.labels
     rows = results(computed, claim.tests, labels, claim.units)
-    failed = list(map(sentence, failing(rows)))
+    failed = [sentence(row) for row in rows if fails(row)]
     if not claim.testable:
         decision, margin = "not testable", math.nan
     elif len(lacking):

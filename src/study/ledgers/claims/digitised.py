@@ -13,7 +13,7 @@ from study.declared.documents import load
 from study.declared.parameters import Name, Positive, build, explain
 from study.ledgers.claims.criteria import DIGITISED, ClaimsError, Criterion, FigureName
 from study.ledgers.claims.judging import margins, results, verdict
-from study.ledgers.claims.words import bounds, computed_values, failing, sentence
+from study.ledgers.claims.words import bounds, computed_values, fails, sentence
 from study.tables import Row
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def _judged(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> tuple[Row, 
         finding, note = "not testable", "No point lies where a series is computed"
     else:
         finding = verdict("reproduced", margins({quantity: criterion}, deciding))
-        note = "; ".join(map(sentence, failing(rows))) or criteria.reason
+        note = "; ".join(sentence(row) for row in rows if fails(row)) or criteria.reason
         if beyond := int(residuals["beyond"].max()):
             note += f" Not judged: {beyond} points beyond a curve."
     row: Row = {

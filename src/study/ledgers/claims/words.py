@@ -108,11 +108,6 @@ def fails(result: Row) -> bool:
     return str(result["passed"]) == "False"
 
 
-def failing(results: Iterable[Row]) -> list[Row]:
-    """Return the results that fail their tests."""
-    return [row for row in results if fails(row)]
-
-
 def number(result: Row) -> str:
     """Return the value of a result in three digits with its unit, or in four if it fails."""
     return readable(float(result["value"]), result["unit"], ROUNDING, digits=DIGITS + fails(result))
