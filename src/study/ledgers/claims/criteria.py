@@ -63,7 +63,7 @@ class ClaimsError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Criterion:
-    """Bounds of a number, which belong to what is accepted: one end or both, or a tolerance."""
+    """Bounds of a number, which are accepted themselves: one end or both, or a tolerance."""
 
     at_least: Finite | None = None
     at_most: Finite | None = None

@@ -132,7 +132,7 @@ class Context:
         return replace(self, contacts=resized(self.steel, np.atleast_1d(self.steel.diameter)))
 
     def _once(self, key: Hashable, make: Callable[[], Any]) -> Any:
-        """Return what rests on the calibration, made once; each claim that takes it reads that."""
+        """Return a contact or sample, made once; each claim that takes it reads the calibration."""
         _ = self.inputs["calibration"], self.inputs["materials"]
         if key not in self.made:
             self.made[key] = make()
