@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from microimpact import Contact, Material
-from microimpact.model.closed_forms import yield_velocity
+from microimpact.model.closed_forms import sticking_restitution, yield_velocity
 from study.tables import NOT_COMPUTED
 
 LAWS = ["model", "jkr", "brach_dunn_1992", "dahneke_1971"]
@@ -174,6 +174,13 @@ def test_exponent_of_the_model(table, tables):
     # and the table's is the slope of the curve at the pair's diameter
     at = np.interp(1.27, np.sqrt(diameter[1:] * diameter[:-1]), slope)
     assert exponents[LATEX] == pytest.approx(at, abs=1e-3)
+
+
+def test_sticking_restitution():
+    assert sticking_restitution(np.array([0.5, 1.0, 2.0]), 1.0) == pytest.approx(
+        [0.0, 0.0, math.sqrt(0.75)]
+    )
+    assert sticking_restitution(1e6, 1.0, 0.7) == pytest.approx(0.7)
 
 
 def test_onset_of_yield_by_hand(table):

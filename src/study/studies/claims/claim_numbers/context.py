@@ -1,4 +1,4 @@
-"""What the functions of the claims share: settings, contacts, samples and tables."""
+"""Settings, contacts, samples and tables that the functions of the claims share."""
 
 from __future__ import annotations
 
