@@ -175,15 +175,17 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.Dat
     return table
 
 
-def read_figure_data(path: Path | str, x_unit: str, y_unit: str) -> pd.DataFrame:
-    """Read the data of a figure in the given units.
+def read_figure_data(path: Path | str) -> pd.DataFrame:
+    """Read the data of a figure, in whatever units.
 
     Raises TableError as for `read_table`, and naming the row where x or y is missing or no number.
     """
     import pandas as pd
 
-    columns = figure_columns(x_unit, y_unit)
-    table = read_table(path, columns)
+    table = read_table(path)
+    x, y, *_ = [*table.columns[3:5], "x_", "y_"]
+    columns = figure_columns(x[2:], y[2:])
+    check_columns(list(table.columns), columns, str(path))
     for column in columns[3:5]:
         numbers = pd.to_numeric(table[column], errors="coerce")
         if numbers.isna().any():

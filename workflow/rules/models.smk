@@ -133,11 +133,11 @@ use rule study as capture_velocities with:
 
 
 use rule study as rolling_dissipation with:
-    """tables/rolling_dissipation.csv, rolling_ranges.csv: neglected moments; data/rolling.csv."""
+    """tables/rolling_dissipation.csv: neglected moments; data/rolling.csv."""
     input:
         **tables("calibration"),
     output:
-        **tables("rolling_dissipation", "rolling_ranges"),
+        **tables("rolling_dissipation"),
         **data("rolling"),
     pathvars:
         study="rolling_dissipation",

@@ -39,9 +39,7 @@ def drawn(spec: FigureSpec, job: Any) -> tuple[Figure, str]:
 
     Raises NotComputedError if one of its tables could not be computed.
     """
-    tables = {
-        name: read_figure_data(job.input[name], unit.x, unit.y) for name, unit in spec.data.items()
-    }
+    tables = {name: read_figure_data(job.input[name]) for name in spec.data}
     origin = ""
     if path := job.input.get(f"{spec.name}_digitised"):
         points = read_points(path, spec)

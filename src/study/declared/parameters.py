@@ -100,7 +100,7 @@ _RELATIONS: dict[str, Callable[[Any, Any], bool]] = {
 class Must:
     """Marks a value by another field of the same dataclass, one that is declared before it.
 
-    ``Annotated[Positive, Must("above", "smallest_diameter_um")]``; `be` is the relation.
+    ``Annotated[Positive, Must("above", "capture_speed_m_per_s")]``; `be` is the relation.
     """
 
     be: Literal["above", "at least", "at most", "one of", "within"]

@@ -16,27 +16,23 @@ from study.tables import RESULT_EVIDENCE
 
 Range = Annotated[tuple[Finite, Finite], Ascending]
 Place = Literal[
-    "best",
+    "above",
     "upper left",
-    "upper center",
     "upper right",
-    "center left",
-    "center",
     "center right",
     "lower left",
-    "lower center",
     "lower right",
+    "lower center",
 ]
-
 Line = Literal["solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot", "loose dashed"]
-Scale = Literal["linear", "log"]
-Mark = Literal["circle", "square", "triangle", "full diamond", "half diamond"]
+Mark = Literal["circle", "square", "triangle"]
 
 # Every figure is written in each of these.
 FORMATS = ("svg", "png", "pdf")
 # A figure of the article by its number, or one of our own.
 FIGURE_NAME = r"^(fig\d\d|[a-z]+(_[a-z]+)*)$"
-
+# What draws plain curves, bands and marks.
+CURVES = "study.figures.models.curves"
 
 # What stands at an axis, by the quantity: one name, sign and unit for all figures.
 QUANTITIES = {
@@ -67,16 +63,18 @@ class SeriesSpec:
     """How one series is called in the legend and drawn; marks are solid unless `open`.
 
     Marks of virtual experiments have the shape `mark`, printed values are diamonds. A curve that
-    has a place `beside` it, an abscissa, is named there and not in the legend.
+    has a place `beside` it, an abscissa, is named there and not in the legend. Of a `band` only the
+    bounds are drawn.
     """
 
     label: Name
     line: Line = "solid"
     colour: Annotated[int, Field(ge=0, le=6)] | None = None
     open: bool = False
+    band: bool = False
     beside: Finite | None = None
     mark: Mark = "circle"
-    side: Literal["above", "below", "left", "right"] = "above"
+    side: Literal["above", "below", "right"] = "above"
 
     def __post_init__(self) -> None:
         """Set the rate exponent in the name of a contact as a symbol."""
@@ -91,7 +89,8 @@ class PanelSpec:
     enlarged view. A legend `above` is over all panels, clear of every curve. Axes grow
     where data lie outside; the upright one does not if `fixed`: simulated values above it are
     written at its edge. A label may be one of `QUANTITIES`. Numbers stand at the ticks or, on a
-    logarithmic scale, at the steps times powers of ten. At `level` a thin line runs across.
+    logarithmic scale, at the steps times powers of ten. At `level` a thin line runs across. Marks
+    of one abscissa stand `apart` by this factor; a thin line guides the eye along `joined` ones.
     """
 
     x_range: Range
@@ -99,17 +98,19 @@ class PanelSpec:
     x_label: str = ""
     y_label: str = ""
     title: str = ""
-    x_scale: Scale = "linear"
-    y_scale: Scale = "linear"
+    x_scale: Literal["linear", "log"] = "linear"
+    y_scale: Literal["linear", "log", "symlog"] = "linear"
     x_ticks: tuple[Finite, ...] = ()
     y_ticks: tuple[Finite, ...] = ()
     x_steps: tuple[Positive, ...] = ()
     y_steps: tuple[Positive, ...] = ()
     level: Finite | None = None
     legend: str = ""
-    legend_place: Place | Literal["above", "none"] = "best"
+    legend_place: Place = "above"
     shows: str = ""
     fixed: bool = False
+    joined: bool = False
+    apart: Positive = 1.0
     series: dict[str, SeriesSpec] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -125,16 +126,8 @@ class PanelSpec:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DataSpec:
-    """Units of one table of figure data, as in its column names."""
-
-    x: Name
-    y: Name
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class FigureSpec:
-    """One figure: words, code that draws it, study and tables it comes from, panels.
+    """One figure: words, study and data it is drawn from, code that draws it, panels.
 
     `article` says what the article shows there; it is empty for a figure of our own. `equations`
     are those of the article that the figure shows or rests on, by their numbers in the ledger.
@@ -142,19 +135,18 @@ class FigureSpec:
     holds. `finding` is the message, in one sentence, `caption` says what is drawn, `method` how it
     was computed. The finding, and `as_shipped` and `contact` (the origin of the single contacts) at
     the end of the method, hold for the shipped inputs alone, see `filled`. Panels stand in rows of
-    `columns`, all side by side if not given; with `legend_columns`, one legend in so many columns
-    is above them. `evidence_labels` replace words of the key of evidence, as of what another paper
-    printed.
+    `columns`, all side by side if not given. `evidence_labels` replace words of the key of
+    evidence, as of what another paper printed.
     """
 
     name: Annotated[str, Field(pattern=FIGURE_NAME)]
     title: Name
     caption: Name
-    module: Annotated[str, Field(pattern=r"^study\.figures\.\w+\.\w+$")]
+    module: Annotated[str, Field(pattern=r"^study\.figures\.\w+\.\w+$")] = CURVES
     function: Name = "draw"
     study: Name
     equations: tuple[Name, ...] = ()
-    data: dict[str, DataSpec]
+    data: Annotated[tuple[Name, ...], Field(min_length=1)]
     article: str = ""
     finding: str = ""
     method: str = ""
@@ -162,10 +154,9 @@ class FigureSpec:
     contact: str = ""
     tables: dict[str, Name] = field(default_factory=dict)
     evidence_labels: dict[str, Name] = field(default_factory=dict)
-    width: Literal["single", "double"] = "single"
-    height_mm: Annotated[float, Field(gt=0, le=240)] = 65.0
+    width: Literal["single", "double"] = "double"
+    height_mm: Annotated[float, Field(gt=0, le=240)] = 80.0
     columns: Annotated[int, Field(ge=1)] | None = None
-    legend_columns: Annotated[int, Field(ge=1)] | None = None
     panels: dict[str, PanelSpec]
 
     def __post_init__(self) -> None:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import io
 import math
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from matplotlib import rc_context, rcParams
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -20,8 +21,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.container import Container
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.markers import TICKDOWN, TICKLEFT, TICKRIGHT, TICKUP
-from matplotlib.ticker import FuncFormatter, Locator, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from microimpact.core.files import write_file
@@ -39,27 +39,20 @@ LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
     "loose dashed": (0, (3.0, 3.0)),
 }
 TINT: dict[str, Any] = {"alpha": 0.25}
+GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
 HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
 MARKS = {"circle": "o", "square": "s", "triangle": "^"}
-# Printed values of several series: open but for these.
-DIAMONDS = {"full diamond": "full", "half diamond": "left"}
 # Points of others and of the user, series by series: readings from a figure, and measurements.
 POINT_MARKS = {"digitised": ("x", "+", "1", "2", "3"), "measured": ("o", "s", "^", "v", "P")}
 # Where the name of a curve stands beside it: shift in points, and which part of it is there.
 SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
     "above": ((0.0, 2.5), "center", "bottom"),
     "below": ((0.0, -2.5), "center", "top"),
-    "left": ((-5.0, 0.0), "right", "center"),
     "right": ((5.0, 0.0), "left", "center"),
 }
 
-# Marks of ticks that point into a panel, and where its edge is.
-INWARD: dict[str, tuple[Any, float]] = {
-    "bottom": (TICKUP, 0.0),
-    "top": (TICKDOWN, 1.0),
-    "left": (TICKRIGHT, 0.0),
-    "right": (TICKLEFT, 1.0),
-}
+# Up to here a logarithmic axis of either sign is linear.
+LINEAR = 0.1
 
 STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
 
@@ -135,7 +128,9 @@ def without_data(spec: FigureSpec, words: str) -> Figure:
 
 
 def _set_axes(ax: Axes, panel: PanelSpec, prefix: str) -> None:
-    ax.set(xscale=panel.x_scale, yscale=panel.y_scale, xlim=panel.x_range, ylim=panel.y_range)
+    near_zero = {"linthresh": LINEAR} if panel.y_scale == "symlog" else {}
+    ax.set_yscale(panel.y_scale, **near_zero)
+    ax.set(xscale=panel.x_scale, xlim=panel.x_range, ylim=panel.y_range)
     ax.set(xlabel=panel.x_label, ylabel=panel.y_label)
     if prefix or panel.title:
         ax.set_title(f"{prefix}{panel.title}")
@@ -147,7 +142,7 @@ def _set_axes(ax: Axes, panel: PanelSpec, prefix: str) -> None:
             axis.set_ticks(ticks)
         elif steps:
             axis.set_major_locator(LogLocator(subs=steps))
-        if axis.get_scale() == "log" and (ticks or steps):
+        if axis.get_scale() == "symlog" or (axis.get_scale() == "log" and (ticks or steps)):
             plain_numbers(axis)
     if panel.level is not None:
         ax.axhline(panel.level, color="0.6", linewidth=0.6, zorder=1)
@@ -178,34 +173,54 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     calibrated = " (calibrated)" if {"computed", "calibrated"} <= set(table["evidence"]) else ""
     if rows.empty:
         raise ValueError(f"figure data: no rows for panel {name!r}")
-    log_x, log_y = ax.get_xscale() == "log", ax.get_yscale() == "log"
-    if not (panel.fixed and panel.shows):  # an enlarged view stays one
-        ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float), log=log_x))
-    if not panel.fixed:
-        heights = rows[[y, "y_low", "y_high"]].to_numpy(float)
-        ax.set_ylim(widened(ax.get_ylim(), heights, log=log_y))
+    _grow(ax, rows, panel)
     present = list(rows["series"].unique())
     names = [s for s in panel.series if s in present]
     names += [s for s in present if s not in panel.series]
+    is_simulated = rows["evidence"] == "virtual experiment"
+    rows = pd.concat([rows[~is_simulated], _apart(rows[is_simulated], names, panel.apart)])
     for number, series in enumerate(names):
         spec = panel.series.get(series, SeriesSpec(label=series))
         colour = f"C{number if spec.colour is None else spec.colour}"
         curve = rows[rows["series"] == series]
-        words = spec.label + (calibrated if "calibrated" in set(curve["evidence"]) else "")
+        is_fitted = "calibrated" in set(curve["evidence"]) and not spec.band
+        words = spec.label + (calibrated if is_fitted else "")
         label: str | None = words if spec.beside is None else f"_{words}"
         for evidence, part in curve.groupby("evidence", sort=False):
+            if panel.joined and evidence == "virtual experiment":
+                line = "dashed" if spec.open else "solid"
+                ax.plot(part[x], part[y], color=colour, linestyle=line, **GUIDE)
             _draw_series(ax, part, (x, y), str(evidence), spec, colour, label)
             label = None  # one entry per series; the key below the figure names the evidence
         if spec.beside is not None:
             _name_beside(ax, curve, spec, words, colour)
     if panel.fixed:
         _write_above(ax, rows[rows["evidence"] == "virtual experiment"])
-    corner = panel.legend_place
-    if corner == "above" or corner == "none":  # noqa: PLR1714 (a set would not narrow the type)
-        return entries
-    named = _entries([ax])
-    ax.legend(named.values(), named.keys(), title=panel.legend, loc=corner)
+    if panel.legend_place != "above":
+        named = _entries([ax])
+        ax.legend(named.values(), named.keys(), title=panel.legend, loc=panel.legend_place)
     return entries
+
+
+def _grow(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
+    """Move the ends of the axes out where values and bars, but not bands, lie outside."""
+    x, y = rows.columns[3], rows.columns[4]
+    if not (panel.fixed and panel.shows):  # an enlarged view stays one
+        ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float), log=ax.get_xscale() == "log"))
+    if not panel.fixed:
+        is_mark = rows["evidence"].map(lambda evidence: EVIDENCE[evidence]["linestyle"] == "none")
+        bars = rows.loc[is_mark, ["y_low", "y_high"]].to_numpy(float)
+        heights = np.append(rows[y].to_numpy(float), bars)
+        ax.set_ylim(widened(ax.get_ylim(), heights, log=ax.get_yscale() == "log"))
+
+
+def _apart(rows: pd.DataFrame, names: Sequence[str], factor: float) -> pd.DataFrame:
+    """Sort marks, moved sideways by series on a logarithmic abscissa, that none hides another."""
+    x, present = rows.columns[3], set(rows["series"])
+    order = [name for name in names if name in present]
+    places = {name: i - 0.5 * (len(order) - 1) for i, name in enumerate(order)}
+    moved = rows[x] * factor ** rows["series"].map(places).to_numpy(float)
+    return rows.assign(**{x: moved}).sort_values(x, kind="stable")
 
 
 def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, words: str, colour: str) -> None:
@@ -240,9 +255,7 @@ def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[st
     if panel.fixed and panel.shows:  # an enlarged view stays one
         points = points[points[x].between(*ax.get_xlim())]
     else:
-        ax.set_xlim(widened(ax.get_xlim(), points[x].to_numpy(float), log=ax.get_xscale() == "log"))
-        heights = points[[y, "y_low", "y_high"]].to_numpy(float)
-        ax.set_ylim(widened(ax.get_ylim(), heights, log=ax.get_yscale() == "log"))
+        _grow(ax, points, replace(panel, fixed=False))
     entries = []
     for series, rows in points.groupby("series", sort=False):
         evidence, name = points_parts(str(series))
@@ -298,12 +311,15 @@ def _draw_series(
         look["markerfacecolor"] = "white"
     elif evidence == "virtual experiment":
         look["markerfacecolor"] = half_tone(colour)
-    if (fill := DIAMONDS.get(spec.mark)) and evidence == "printed":
-        look |= {"fillstyle": fill, "markerfacecolor": colour, "markerfacecoloralt": "white"}
     if look.get("marker") == MARKS["circle"]:
         look["marker"] = MARKS[spec.mark]
     bounds = rows[["y_low", "y_high"]].to_numpy(float).T
     error = None if np.isnan(bounds).all() else np.abs(bounds - y)
+    if is_line and error is not None:
+        _draw_band(ax, x, bounds, spec, colour, label if spec.band else None)
+        if spec.band:
+            return
+        error = None
     # A mark that lies on the frame is shown whole; one beyond it, and the bars, end at the frame.
     low, high = ax.get_ylim()
     marks = y if is_line else np.where((y < low) | (y > high), np.nan, y)
@@ -318,26 +334,26 @@ def half_tone(colour: str) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def draw_band(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, label: str | None = None) -> None:
-    """Draw the bounds of a series as a band: tinted, hatched if its line is dashed, or outlined.
+def _draw_band(
+    ax: Axes,
+    x: NDArray[np.float64],
+    bounds: NDArray[np.float64],
+    spec: SeriesSpec,
+    colour: str,
+    label: str | None,
+) -> None:
+    """Draw the bounds of a curve as a band: tinted, hatched if its line is dashed, or outlined.
 
     Two tints would mix to a third where bands overlap; a hatched one lets the other be seen. A
     dotted band is its outline alone, and hides nothing.
     """
-    look: dict[str, Any] = {"color": f"C{spec.colour or 0}", "zorder": 1}
-    x, low, high = rows.iloc[:, 3], rows["y_low"], rows["y_high"]
+    look: dict[str, Any] = {"color": colour, "zorder": 1}
     if is_filled := spec.line != "dotted":
         fill = TINT if spec.line == "solid" else HATCH
+        low, high = bounds
         ax.fill_between(x, low, high, linewidth=0, label=label, **look, **fill)
-    for end, words in ((low, None if is_filled else label), (high, None)):
+    for end, words in zip(bounds, (None if is_filled else label, None), strict=True):
         ax.plot(x, end, linewidth=0.6, linestyle=LINES[spec.line], label=words, **look)
-
-
-def without_bounds(table: pd.DataFrame, which: pd.Series) -> pd.DataFrame:
-    """Return figure data in which some rows have no bounds, for these are drawn another way."""
-    bare = table.copy()
-    bare.loc[which, ["y_low", "y_high"]] = np.nan
-    return bare
 
 
 def _write_above(ax: Axes, rows: pd.DataFrame) -> None:
@@ -355,18 +371,6 @@ def _write_above(ax: Axes, rows: pd.DataFrame) -> None:
             fontsize="small",
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
         )
-
-
-# Part of an axis in which no word fits.
-NARROW = 0.04
-
-
-def shade_capture(ax: Axes, limit: float) -> None:
-    """Shade the part of an axis from zero to a limit in which the sphere does not rebound."""
-    ax.axvspan(0.0, limit, color="0.93", linewidth=0, zorder=0)
-    low, high = ax.get_ylim()
-    if limit > NARROW * ax.get_xlim()[1]:
-        ax.text(limit / 2, (low + high) / 2, "captured", rotation=90, ha="center", va="center")
 
 
 def evidence_key(
@@ -394,25 +398,14 @@ def evidence_key(
     figure.legend(handles=handles, loc=loc, ncols=columns)
 
 
-def line_figure(
-    tables: Tables, spec: FigureSpec, prepare: Callable[[Axes, str], object] | None = None
-) -> tuple[Figure, dict[str, Axes]]:
-    """Draw every panel of a figure from the tables that have it, and the key of evidence.
+def line_figure(tables: Tables, spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
+    """Draw every panel of a figure from the tables that have it, legends and key of evidence.
 
     The figure and its axes by panel, for what a figure adds of its own.
-
-    Parameters
-    ----------
-    tables, spec
-        Figure data and registry entry.
-    prepare
-        Called with the axes and the name of each panel before its series are drawn.
     """
     figure, axes = new_figure(spec)
     entries: list[Line2D] = []
     for name, panel in spec.panels.items():
-        if prepare:
-            prepare(axes[name], name)
         parts = [t for t in tables.values() if (panel.shows or name) in t["panel"].unique()]
         table = pd.concat(parts or list(tables.values()), ignore_index=True)
         entries += draw_panel(axes[name], table, panel, name)
@@ -420,8 +413,6 @@ def line_figure(
         legend_above(figure, above)
     evidence = pd.concat([table["evidence"] for table in tables.values()])
     evidence_key(figure, evidence, entries, labels=spec.evidence_labels)
-    if spec.legend_columns:
-        legend_above(figure, axes.values(), spec.legend_columns)
     return figure, axes
 
 
@@ -454,15 +445,10 @@ def _entries(axes: Iterable[Axes]) -> dict[str, Any]:
     }
 
 
-def legend_above(
-    figure: Figure, axes: Iterable[Axes], columns: int | None = None, **look: Any
-) -> None:
+def legend_above(figure: Figure, axes: Iterable[Axes], **look: Any) -> None:
     """Name every line and mark of some axes once, above all panels or where ``loc`` says."""
     entries = _entries(axes)
-    room = _columns(figure, entries)
-    # The estimate is cautious: one column more than it allows has been seen to fit.
-    columns = min(columns or room, room + 1)
-    look = {"loc": "outside upper center", "ncols": columns, **look}
+    look = {"loc": "outside upper center", "ncols": _columns(figure, entries), **look}
     figure.legend(entries.values(), entries.keys(), **look)
 
 
@@ -477,31 +463,6 @@ def _columns(figure: Figure, labels: Iterable[str]) -> int:
     return 1
 
 
-def legend_after(figure: Figure, columns: int | None, axes: Iterable[Axes], **look: Any) -> None:
-    """Name every line and mark of some axes in the free place after the panels in rows."""
-    number = len(figure.axes) + 1
-    columns = columns or len(figure.axes)
-    free = figure.add_subplot(-(-number // columns), columns, number)
-    free.set_axis_off()
-    entries = _entries(axes)
-    free.legend(entries.values(), entries.keys(), loc="center left", **look)
-
-
-def apart(rows: pd.DataFrame, names: Sequence[str], factor: float) -> pd.DataFrame:
-    """Move some series sideways on a logarithmic abscissa, that no mark hides another."""
-    places = {name: i - (len(names) - 1) / 2 for i, name in enumerate(names)}
-    moved = factor ** rows["series"].map(places).fillna(0.0).to_numpy(float)
-    return rows.assign(**{rows.columns[3]: rows.iloc[:, 3] * moved})
-
-
-def mark_range(ax: Axes, ends: pd.Series, words: str) -> None:
-    """Shade a range of the abscissa, with words above it."""
-    low, high = ends.min(), ends.max()
-    ax.axvspan(low, high, color="0.9", linewidth=0, zorder=0)
-    look: dict[str, Any] = {"fontsize": "small", "ha": "center", "va": "bottom"}
-    ax.text((low + high) / 2, 1.01, words, transform=ax.get_xaxis_transform(), **look)
-
-
 def save(figure: Figure, *paths: Path | str) -> None:
     """Save a figure in the format of each suffix; equal figures give equal bytes.
 
@@ -509,59 +470,13 @@ def save(figure: Figure, *paths: Path | str) -> None:
     made once, with the text as wide as in an SVG, so that all files agree.
     """
     with context():
-        minor = _take_minor_ticks(figure)
         if engine := figure.get_layout_engine():
             FigureCanvasSVG(figure)
             engine.execute(figure)
-        for axis, locator in minor.items():
-            axis.set_minor_locator(locator)
-            _draw_minor_ticks(axis)
-            axis.set_minor_locator(NullLocator())
         with rc_context({"figure.constrained_layout.use": False}):
             figure.set_layout_engine(None)
             for path in map(Path, paths):
                 _save(figure, path)
-
-
-def _take_minor_ticks(figure: Figure) -> dict[Axis, Locator]:
-    """Take from all axes those minor ticks that point inwards and bear no labels."""
-    taken: dict[Axis, Locator] = {
-        axis: axis.get_minor_locator()
-        for ax in figure.axes
-        for axis in (ax.xaxis, ax.yaxis)
-        if ax.axison
-        and axis.get_tick_params(which="minor").get("direction", "in") == "in"
-        and not any(axis.get_minor_formatter().format_ticks(axis.get_minorticklocs().tolist()))
-    }
-    for axis in taken:
-        axis.set_minor_locator(NullLocator())
-    return taken
-
-
-def _draw_minor_ticks(axis: Axis) -> None:
-    """Draw the minor ticks on each side of an axis as the marks of one line.
-
-    As artists of their own, which Matplotlib makes of them, they are a quarter of all work.
-    """
-    ax, is_x = axis.axes, axis is axis.axes.xaxis
-    low, high = sorted(axis.get_view_interval())
-    hair = 1e-9 * (high - low)
-    places = np.asarray(axis.get_minorticklocs())
-    places = places[(low - hair <= places) & (places <= high + hair)]
-    params = axis.get_tick_params(which="minor")
-    look: dict[str, Any] = {
-        "transform": ax.get_xaxis_transform() if is_x else ax.get_yaxis_transform(),
-        "linestyle": "none",
-        "markersize": params.get("length", rcParams["xtick.minor.size"]),
-        "markeredgewidth": rcParams["xtick.minor.width"],
-        "color": "black",
-        "clip_on": False,
-        "zorder": axis.get_zorder(),
-    }
-    for side, (marker, edge) in INWARD.items():
-        if params.get(side):
-            x, y = places, np.full(places.shape, edge)
-            ax.add_artist(Line2D(*((x, y) if is_x else (y, x)), marker=marker, **look))
 
 
 def _save(figure: Figure, path: Path) -> None:

@@ -17,7 +17,7 @@ from pydantic import AfterValidator, Field, ValidationError
 from microimpact.core.nearest import nearest
 from study.declared.parameters import Finite, build, explain
 from study.figures.registry import FigureSpec
-from study.tables import figure_columns, points_series
+from study.tables import points_series
 
 # Loaded where there are points.
 if TYPE_CHECKING:
@@ -263,9 +263,8 @@ def overlaid(
     """Return the figure data with the points as further rows of the first table."""
     import pandas as pd
 
-    name = next(iter(spec.data))
-    unit = spec.data[name]
+    name = spec.data[0]
     rows = points.table.assign(evidence=points.evidence)
     rows = rows[["panel", "series", "evidence", *COLUMNS[1:]]]
-    rows.columns = pd.Index(figure_columns(unit.x, unit.y))
+    rows.columns = tables[name].columns
     return {**tables, name: pd.concat([tables[name], rows], ignore_index=True)}

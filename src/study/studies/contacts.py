@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from annotated_types import Ge, Le
 
 from microimpact.core.arrays import Real
 from microimpact.core.materials import Material, materials_from_rows
@@ -35,8 +34,6 @@ DRAWN = {
 
 # Laws of contact.
 Kind = Literal["ring force", "jkr", "thornton-ning", "hysteresis"]
-# A speed far above capture, in capture velocities.
-PlateauRatio = Annotated[float, Ge(2), Le(1000)]
 # Printed numbers have two or three digits.
 DIGITS = 0.01
 CAPTURE_VELOCITIES = (
@@ -145,18 +142,8 @@ def solved_contacts(inputs: Tables, cases: Iterable[str]) -> dict[str, Contact]:
     return contacts
 
 
-def posterior_contact(inputs: Tables, rows: pd.DataFrame, **changes: Any) -> Contact:
-    """Return contacts of one law as one contact of arrays (draws,).
-
-    Parameters
-    ----------
-    inputs
-        ``materials``, declared rows.
-    rows
-        Of the table ``posterior_contacts``.
-    **changes
-        Fields of `Contact` in place of those of the table.
-    """
+def posterior_contact(inputs: Tables, rows: pd.DataFrame) -> Contact:
+    """Return contacts of one law, rows of ``posterior_contacts``, as one of arrays (draws,)."""
     of_ring: dict[str, Any] = {field: rows[name].to_numpy(float) for name, field in DRAWN.items()}
     of_ring["diameter"] = of_ring["diameter"] * 1e-6
     kind = rows["contact_law"].iloc[0]
@@ -167,7 +154,7 @@ def posterior_contact(inputs: Tables, rows: pd.DataFrame, **changes: Any) -> Con
     if kind != "ring force":
         numbers = rows.dropna(axis=1).select_dtypes("number")
         contact = of_kind(contact, kind, {str(name): numbers[name].to_numpy() for name in numbers})
-    return contact.replace(**changes)
+    return contact
 
 
 def posterior_beside(

@@ -99,14 +99,15 @@ def test_a_true_model_covers(cell, exponent):
 
 
 def test_intervals_hold_v_c_where_the_scatter_is_told_and_warn_where_it_is_not(tables):
-    """Of the designs that this run computes, by 60 sets, and of the file, by 200."""
+    """Of the designs that this run computes, by 60 sets, and of the file, by 300."""
     exact, scattered = tables["averaged_intervals"].itertuples()
     assert exact.held >= 51, "of 60; 50 or fewer are 0.1 % at 95 %"
     assert scattered.held < 51
     assert scattered.missed_without_warning <= 0.1 * (60 - scattered.held)
     told = TRIED[TRIED["scatter"] != "exact"]
-    assert told["coverage"].min() > 0.9
-    assert abs(told["coverage"].mean() - 0.95) < 0.03
+    assert told["coverage"].min() > 0.92
+    assert abs(told["coverage"].mean() - 0.95) < 0.02
+    assert (told["coverage"] < 0.985).mean() > 0.8
     others = TRIED[TRIED["scatter"] == "exact"]
     missed = (others["sets"] - others["held"]).sum()
     assert others["missed_without_warning"].sum() <= 0.1 * missed
@@ -115,8 +116,8 @@ def test_intervals_hold_v_c_where_the_scatter_is_told_and_warn_where_it_is_not(t
 def test_drawn_contacts_predict_other_sizes_as_often_as_they_say(tables):
     predicted = tables["capture_predictions"]
     assert sorted(set(predicted["truth"])) == ["ring force, n = 0.7", "viscous JKR"]
-    assert (predicted["sets"] + predicted["without_convergence"] >= 80).all()
-    assert predicted["coverage"].between(0.85, 0.98).all()
+    assert (predicted["sets"] + predicted["without_convergence"] >= 300).all()
+    assert predicted["coverage"].between(0.85, 0.96).all()
     figure = tables["averaged_coverage"].query("panel == 'at other sizes'")
     assert len(figure) == len(predicted) + 2
 

@@ -66,7 +66,6 @@ WRONG = [
     ("rolling_dissipation", "angles_deg", [45.0, 90.0],
      r"^rolling_dissipation.angles_deg\[1\]: 90.0 must be .* 90$"),
     ("rolling_dissipation", "angles_deg", [45.0, 30.0], "must ascend"),
-    ("capture_velocities", "largest_diameter_um", 0.5, "must be above smallest_diameter_um"),
     ("capture_velocities", "pairs", {"nothing": {}}, "'nothing' is not declared in cases"),
     ("oblique_experiments", "compared_series", "2 m/s", "'2 m/s' must be one of silicon front"),
     ("oblique_experiments", "compared_with_all", ["2 m/s"], "'2 m/s' must be one of silicon front"),

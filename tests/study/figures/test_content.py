@@ -42,18 +42,9 @@ def with_looks(name, panel, looks):
 @pytest.mark.parametrize(
     ("name", "panel", "first", "second", "look"),
     [
-        (
-            "fig16",
-            "restitution",
-            "steel-silicon, n = 0, fit",
-            "steel-silicon, n = 1, fit",
-            "colour",
-        ),
         ("fig17", "friction", "0.05", "0.1", "colour"),
-        ("fig17", "spin", "-0.4", "0.4", "colour"),
         ("fig20", "force", "hertz", "adhesion", "colour"),
         ("fig24", "normal", "v_c", "v_c by Eq. 34", "colour"),
-        ("ridge", "ridge", "n = 0", "n = 1", "colour"),
         ("fig20", "force", "hertz", "adhesion", "line"),
         ("fig04", "all", "SST65", "SST125", "open"),
     ],

@@ -24,7 +24,6 @@ def test_figures_come_in_order_with_words_of_their_own():
     # the article's by number, then the project's own
     assert list(specs) == sorted(specs, key=lambda name: (not name.startswith("fig"), name))
     for spec in specs.values():
-        assert len(spec.caption) > 80
         assert spec.panels
         assert spec.data
         assert set(spec.equations) <= set(EQUATIONS), spec.name
@@ -36,7 +35,7 @@ def test_figures_come_in_order_with_words_of_their_own():
         (changed(captoin="x"), r"fig14\.captoin: unknown key \(did you mean 'caption'\?\)"),
         (changed(width="huge"), r"fig14\.width: 'huge' must be 'single' or 'double'"),
         (changed(module="os"), r"fig14\.module: 'os' "),
-        (changed(data={"fig14": {"x": "deg", "y": 1}}), r"fig14\.data\.fig14\.y: 1 must be"),
+        (changed(data=[1]), r"fig14\.data\[0\]: 1 must be"),
         (
             changed(evidence_labels={"printet": "x"}),
             r"fig14.evidence_labels: 'printet' is no evidence .*'printed'\?\)",
@@ -81,7 +80,7 @@ def test_a_figure_of_the_projects_own_has_a_name_of_words():
 
 
 def test_an_axis_is_drawn_as_it_is_declared():
-    entry = changed(columns=1, legend_columns=2)
+    entry = changed(columns=1)
     entry["panels"]["trends"] |= {"x_range": [0.1, 10.0], "x_scale": "log", "x_steps": [1, 3]}
     entry["panels"]["trends"]["level"] = 0.0
     entry["panels"]["again"] = entry["panels"]["trends"] | {"x_ticks": [0.2, 5.0]}

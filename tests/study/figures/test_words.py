@@ -13,7 +13,6 @@ from study.figures.registry import filled, registry
 
 ENTRIES = load(ROOT / "config/figures.yaml")
 SETTINGS = settings_as_shipped()
-SHIPPED = registry(filled(ENTRIES, SETTINGS.branches, SETTINGS.pairs))
 MATERIALS = "steel|silicon|mirror|Formica|Lycopodium|spore|fluorescein|molybdenum|mica|latex|silica"
 # Studies that are of one pair by their nature.
 OF_ONE_PAIR = {"particle_separation", "oblique_data", "inference"}
@@ -56,10 +55,3 @@ def test_what_only_holds_as_shipped_goes_with_the_inputs():
     )
     changed = filled(entry, {"s": {}}, {}, {"s": "a"})["f"]
     assert (changed["finding"], changed["method"]) == ("", "By fits.")
-
-
-@pytest.mark.parametrize("name", SHIPPED)
-def test_a_caption_begins_with_its_finding_and_is_short(name):
-    spec = SHIPPED[name]
-    assert spec.finding or spec.is_schematic
-    assert len(f"{spec.caption}".split()) <= 60

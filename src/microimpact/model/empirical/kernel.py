@@ -502,6 +502,14 @@ LN_V, LN_D, SPEED_SD, SIZE_SD, REBOUND, E_SD = range(6)
 # Nodes reach so many standard deviations. Per standard deviation of e there are so many of
 # sqrt(ln v/v_c), with which e grows about as fast. A scatter below the least is none.
 REACH, DENSITY, FEWEST_NODES, MOST_NODES, LEAST_SCATTER = 4.0, 0.75, 8, 400, 1e-3
+# Columns of a table after those of v/v_c: the exponent of v_c in 1/d; places along the first axis
+# per ln d; exponent in d of the adhesion damping at v_c, in units of the contact.
+BY_SIZE, SHIFT, GROWTH = 3, 1, 2
+# Second axis of a law with adhesion damping: the damping over its distance from overdamping.
+DAMPING_AXIS = (1e-3, 30.0, 28)
+# Diameters at which a table is read for a class; e is the cubic in ln d through them. The steps by
+# which ln d reaches farther.
+SIZES, STEP_OF_SIZE = 4, 0.1
 # A search ends where the deviance falls by less.
 SMALL_FALL, SCATTERED_STEPS = 1e-2, 60
 _ROOT_TWO, _LN_ROOT_TWO_PI = math.sqrt(2.0), 0.5 * math.log(2.0 * math.pi)
@@ -517,8 +525,87 @@ def _below(u):  # type: ignore[no-untyped-def]
 
 
 @_jit
+def _damped(place, growth):  # type: ignore[no-untyped-def]
+    """Place of an adhesion damping e^growth times as large, and its slopes in both."""
+    least, largest, count = DAMPING_AXIS
+    step = math.log(largest / least) / (count - 1.0)
+    ratio = least * math.exp(place * step)
+    share = ratio / (1.0 + ratio) * math.exp(growth)
+    if share >= largest / (1.0 + largest):
+        return count - 1.0, 0.0, 0.0
+    new = share / (1.0 - share)
+    if new <= least:
+        return 0.0, 0.0, 0.0
+    return math.log(new / least) / step, (1.0 + new) / (1.0 + ratio), (1.0 + new) / step
+
+
+@_jit
+def _sized(grid, z, reach, weights, lines, sized) -> None:  # type: ignore[no-untyped-def]
+    """Put slopes in the variables and e of four diameters, ln d within ``reach`` (4, 4, ratios).
+
+    A smaller sphere has its own v_c, and damping groups of its own: another place in the table.
+    ``lines`` are those of the median sphere.
+    """
+    size, at = sized.shape[2], z[:PARAMETERS].copy()
+    last = grid.shape[1] - 1.0
+    for n in range(SIZES):
+        log_d = reach * (2.0 * n / (SIZES - 1.0) - 1.0)
+        shifted = z[1] + lines[PARAMETERS, size + SHIFT] * log_d
+        at[1], by_one = min(max(shifted, 0.0), last), 1.0 if 0.0 < shifted < last else 0.0
+        at[2], by_two, by_growth = z[2], 1.0, 0.0
+        if grid.shape[2] > 1:
+            at[2], by_two, by_growth = _damped(z[2], lines[PARAMETERS, size + GROWTH] * log_d)
+        _lines(grid, at, 0, size, weights, sized[n])
+        for m in range(size):
+            first, second = sized[n, 1, m] * by_one, sized[n, 2, m]
+            sized[n, 1, m], sized[n, 2, m] = first, second * by_two
+            second *= by_growth
+            for k in range(PARAMETERS):
+                moved = first * lines[k, size + SHIFT] + second * lines[k, size + GROWTH]
+                sized[n, k, m] += log_d * moved
+
+
+@_jit
+def _mixed(sized, reach, scale, x, log_d, rate, share, center, low, high, lines):  # type: ignore[no-untyped-def]
+    """Put slopes and e where ln d goes with ln(v/v_c): ``log_d`` at x, with slope ``rate``.
+
+    Returns the slope of e in ln d at x.
+
+    The last row of ``lines`` is the slope in the scatter of sizes, to which ``share`` of the
+    variance is due; ``center`` are the lines of the median sphere.
+    """
+    size, steps = sized.shape[2], SIZES - 1.0
+    last = min(int(high * scale) + SIZES, size)
+    exponent, middle, slope = center[PARAMETERS, size], math.sqrt(max(x, 0.0)) * scale, 0.0
+    for m in range(min(max(int(low * scale) - 1, 0), size - SIZES), last):
+        off = (m / scale) ** 2 - x
+        t = min(max(0.5 * steps * ((log_d + rate * off) / reach + 1.0), 0.0), steps)
+        a, b, c = t - 1.0, t - 2.0, t - 3.0
+        first, second = -a * b * c / 6.0, t * b * c / 2.0
+        third, fourth = -t * a * c / 2.0, t * a * b / 6.0
+        for k in range(PARAMETERS + 1):
+            e = first * sized[0, k, m] + second * sized[1, k, m]
+            lines[k, m] = e + third * sized[2, k, m] + fourth * sized[3, k, m]
+        by_log_d = -(a * b + a * c + b * c) * sized[0, PARAMETERS, m] / 6.0
+        by_log_d += (t * b + t * c + b * c) * sized[1, PARAMETERS, m] / 2.0
+        by_log_d -= (t * a + t * c + a * c) * sized[2, PARAMETERS, m] / 2.0
+        by_log_d += (t * a + t * b + a * b) * sized[3, PARAMETERS, m] / 6.0
+        by_log_d *= 0.5 * steps / reach
+        slope = by_log_d if m <= middle else slope
+        by_log_d *= rate
+        by_exponent = by_log_d * ((1.0 - 2.0 * share) * off / exponent - log_d)
+        for k in range(PARAMETERS):
+            lines[k, m] += by_exponent * center[k, size]
+        lines[PARAMETERS + 1, m] = 2.0 * by_log_d * (1.0 - share) * off
+    return slope
+
+
+@_jit
 def _curve(lines, size, scale, v_c, log_v_c, z, p, q, y, slopes, j):  # type: ignore[no-untyped-def]
-    """E at y = sqrt(ln v/v_c), and its slopes in the first four variables."""
+    """E at y = sqrt(ln v/v_c), and its slopes in the first four variables.
+
+    Of a table the fourth is that in the scatter of sizes.
+    """
     if size:
         position = min(y * scale, size - 1.0)
         first = min(max(int(position) - 1, 0), size - 4)
@@ -530,7 +617,9 @@ def _curve(lines, size, scale, v_c, log_v_c, z, p, q, y, slopes, j):  # type: ig
             line = lines[k]
             slope = first_share * line[first] + second_share * line[first + 1]
             slopes[j, k] = slope + third_share * line[first + 2] + fourth_share * line[first + 3]
-        slopes[j, PARAMETERS] = 0.0
+        line = lines[PARAMETERS + 1]
+        slope = first_share * line[first] + second_share * line[first + 1]
+        slopes[j, Q] = slope + third_share * line[first + 2] + fourth_share * line[first + 3]
         line = lines[PARAMETERS]
         e = first_share * line[first] + second_share * line[first + 1]
         return e + third_share * line[first + 2] + fourth_share * line[first + 3]
@@ -552,14 +641,15 @@ def _curve(lines, size, scale, v_c, log_v_c, z, p, q, y, slopes, j):  # type: ig
 def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0915
     """Minus twice the logarithm of the likelihood of one data set (6, n) under scatter.
 
-    e of a rebound is averaged over ln(v/v_c), normal about the measured one and above 0. Without
-    captured spheres all rebounds are taken given that they are; else captures count as well.
+    e of a rebound is averaged over ln(v/v_c), normal about the measured one and above 0, with the
+    damping groups of the mean diameter at that v/v_c; what diameters scatter about that mean widens
+    the standard deviation of e. Without captured spheres all rebounds are taken given that they
+    are; else captures count as well.
 
     Parameters
     ----------
     grid
-        Table whose last column is the exponent of v_c in 1/d, or of size 1 for Eq. (34), of which
-        that is all.
+        Table with the columns ``BY_SIZE`` after those of v/v_c; for Eq. (34) these are all.
     scale
         Places of the table per square root of ln(v/v_c).
     data
@@ -573,12 +663,24 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
     expected
         Room for mean and variance of e, (n, 2).
     """
-    size, count = grid.shape[PARAMETERS] - 1, data.shape[1]
-    lines, weights = np.zeros((PARAMETERS + 1, size + 1)), np.zeros((PARAMETERS, 2, 4))
+    size, count = grid.shape[PARAMETERS] - BY_SIZE, data.shape[1]
+    lines, weights = np.zeros((PARAMETERS + 2, size + BY_SIZE)), np.zeros((PARAMETERS, 2, 4))
     if size:
-        _lines(grid, z[:PARAMETERS], 0, size + 1, weights, lines)
+        _lines(grid, z[:PARAMETERS], 0, size + BY_SIZE, weights, lines[: PARAMETERS + 1])
     else:
         lines[PARAMETERS, 0] = grid[0, 0, 0, 0]
+    reach = 0.0
+    for i in range(count):
+        relative = data[SIZE_SD, i] * math.exp(z[LN_SIZE])
+        reach = max(reach, abs(data[LN_D, i]) + REACH * relative)
+    # In steps, for the slopes are those at given diameters.
+    reach = STEP_OF_SIZE * math.ceil(reach / STEP_OF_SIZE)
+    shift, growth = lines[PARAMETERS, size + SHIFT], lines[PARAMETERS, size + GROWTH]
+    similar = reach == 0.0 or (shift == 0.0 and growth == 0.0)
+    sphere, sized = lines, np.empty((SIZES, PARAMETERS + 1, 0 if similar else size))
+    if not similar:
+        sphere = lines.copy()
+        _sized(grid, z, reach, weights, lines, sized)
     e, slopes = np.empty(MOST_NODES), np.empty((MOST_NODES, Q + 1))
     away, prior = np.empty(MOST_NODES), np.empty(MOST_NODES)
     mean, by_curve = np.empty(Q + 1), np.empty(Q + 1)
@@ -607,15 +709,24 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
             for k in range(SCATTERED):
                 gradient[k] += 2.0 * slope * (moved[k] / s - x * spread[k] / s**2)
             continue
-        sigma = data[E_SD, i] * math.exp(z[LN_SIGMA])
+        # Shares of variances: that of e alone in that of e, that of sizes in that of ln(v/v_c).
+        sigma, of_e, of_size = data[E_SD, i] * math.exp(z[LN_SIGMA]), 1.0, (by_size / s) ** 2
         low = math.sqrt(max(x - REACH * s, 0.0))
         high = math.sqrt(x + math.sqrt(min(x, 0.0) ** 2 + (REACH * s) ** 2))
+        if not similar:
+            rate = relative * by_size / s**2
+            slope = _mixed(
+                sized, reach, scale, x, data[LN_D, i], rate, of_size, lines, low, high, sphere
+            )
+            rest = (slope * relative) ** 2 * (1.0 - of_size)
+            of_e = sigma**2 / (sigma**2 + rest)
+            sigma = math.sqrt(sigma**2 + rest)
         nodes = min(max(int(DENSITY * (high - low) / sigma), FEWEST_NODES), MOST_NODES)
         step = (high - low) / nodes
         top = least = -np.inf
         for j in range(nodes):
             y = low + (j + 0.5) * step
-            e[j] = _curve(lines, size, scale, v_c, log_v_c, z, p, q, y, slopes, j)
+            e[j] = _curve(sphere, size, scale, v_c, log_v_c, z, p, q, y, slopes, j)
             away[j] = (y * y - x) / s
             prior[j] = math.log(2.0 * y) - 0.5 * away[j] ** 2
             least = max(least, prior[j])
@@ -639,6 +750,7 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
             for k in range(Q + 1):
                 by_curve[k] += share * slopes[j, k]
         total -= 2.0 * (math.log(likely * step / s) + top - _LN_ROOT_TWO_PI - z[LN_SIGMA])
+        total -= math.log(of_e)
         along, across = middle / likely / s, (square / likely - 1.0) / s
         if not joint:
             log, slope = _below(x / s)
@@ -646,22 +758,23 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
             along -= slope / s
             across += slope * x / s**2
         for k in range(Q + 1):
-            gradient[k] -= 2.0 * by_curve[k] / likely
-        gradient[LN_SIGMA] -= 2.0 * (misfit / likely - 1.0)
+            gradient[LN_SIZE if size and k == Q else k] -= 2.0 * by_curve[k] / likely
+        gradient[LN_SIGMA] -= 2.0 * of_e * (misfit / likely - 1.0)
+        gradient[LN_SIZE] -= 2.0 * (1.0 - of_e) * (1.0 - of_size) * (misfit / likely - 1.0)
         for k in range(SCATTERED):
             gradient[k] -= 2.0 * (along * moved[k] + across * spread[k])
         first /= all_prior
         wide = max(second / all_prior - first**2, 0.0)
         variance = wide + sigma**2
         expected[i, 0], expected[i, 1] = first, variance
-        by_sigma, by_size = 2.0 * sigma**2 / variance, 2.0 * wide * spread[LN_SIZE] / s / variance
+        by_sigma, by_size = 2.0 * of_e * sigma**2, 2.0 * wide * spread[LN_SIZE] / s
         for k in range(Q + 1):
             for m in range(Q + 1):
                 information[k, m] += mean[k] * mean[m] / all_prior**2 / variance
-        information[LN_SIGMA, LN_SIGMA] += 0.5 * by_sigma**2
-        information[LN_SIZE, LN_SIZE] += 0.5 * by_size**2
-        information[LN_SIGMA, LN_SIZE] += 0.5 * by_sigma * by_size
-        information[LN_SIZE, LN_SIGMA] += 0.5 * by_sigma * by_size
+        information[LN_SIGMA, LN_SIGMA] += 0.5 * (by_sigma / variance) ** 2
+        information[LN_SIZE, LN_SIZE] += 0.5 * (by_size / variance) ** 2
+        information[LN_SIGMA, LN_SIZE] += 0.5 * by_sigma * by_size / variance**2
+        information[LN_SIZE, LN_SIGMA] += 0.5 * by_sigma * by_size / variance**2
     return total
 
 

@@ -2,9 +2,10 @@
 
 v/v_c of a sphere is not that of the median one at the measured speed: v_c falls with the diameter,
 by each law's own exponent, and speeds have errors. Both together are normal in ln(v/v_c). The
-likelihood of a measured e is its average over that, on condition that the sphere rebounds where the
-data hold no captured ones: small spheres are missing there. Where they hold some, all are supposed
-to be recorded, and their probability counts.
+damping of a law, in units of the contact, changes with the diameter, too. The likelihood of a
+measured e is its average over that, on condition that the sphere rebounds where the data hold no
+captured ones: small spheres are missing there. Where they hold some, all are supposed to be
+recorded, and their probability counts.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from microimpact.model.empirical.data import (
     Scatter,
 )
 from microimpact.model.empirical.kernel import (
+    BY_SIZE,
     LN_SIGMA,
     LN_SIZE,
     PARAMETERS,
@@ -51,10 +53,10 @@ _SCALE = (shapes.RATIOS - 1) / np.sqrt(np.log(shapes.LARGEST_RATIO))
 
 @cache
 def _table(law: str | None) -> FloatArray:
-    """Table of a law with the exponent of v_c in 1/d as last column; that alone for Eq. (34)."""
+    """Table of a law with what changes with d as last columns; these alone for Eq. (34)."""
     if law is None:
-        return np.full((1, 1, 1, 1), EXPONENT_OF_EQ_34)
-    columns = [shapes.table(law), shapes.exponents(law)[..., None]]
+        return np.array([EXPONENT_OF_EQ_34, 0.0, 0.0]).reshape(1, 1, 1, BY_SIZE)
+    columns = [shapes.table(law), shapes.by_size(law)]
     return np.ascontiguousarray(np.concatenate(columns, axis=-1))
 
 

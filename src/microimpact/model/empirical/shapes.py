@@ -21,7 +21,7 @@ from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.empirical.data import DataSets, Places
-from microimpact.model.empirical.kernel import PARAMETERS, VARIABLES, curves
+from microimpact.model.empirical.kernel import DAMPING_AXIS, PARAMETERS, VARIABLES, curves
 from microimpact.model.empirical.search import Minima, Search, lowest
 
 # Places over v/v_c, up to a ratio of 10,000, and over each parameter of a law with two, or one; a
@@ -31,6 +31,8 @@ RATIOS, LARGEST_RATIO, TWO, ONE, KINKED = 56, 1e4, 28, 48, 100
 NONE = (1.0, 1.0, 1)
 # Exponent of v_c in 1/d beyond which small spheres do not leave at all.
 STEEPEST = 3.0
+# Exponent in d of the speed that the materials and d make.
+SPEED_BY_SIZE = -5.0 / 6.0
 # Starts that a search is made from: the lowest. With v_c held nearly all lead to one minimum, and
 # where neighbours in v_c found another, a profile begins there next time.
 TRIED = 3
@@ -57,6 +59,9 @@ class Law:
     contact
         Contact (m, 1) of two parameters (m, 1); None: e is the first parameter times
         sqrt(1 - (v_c/v)^2).
+    exponent_of_size
+        Exponent in d of the first parameter in units of the contact, of given materials: E*, w_A
+        and density alone make a speed ~ d^(-5/6), a time ~ d^(7/6), a pressure ~ d^(-1/3).
     exponents
         The same of n, by which the adhesion damping falls with speed; it is given at v_c.
     starts
@@ -65,6 +70,7 @@ class Law:
 
     axes: tuple[Axis, Axis]
     contact: Callable[[Real, Real], Contact] | None
+    exponent_of_size: float = 0.0
     exponents: Axis = (0.0, 0.0, 1)
     starts: tuple[tuple[float, ...], ...] = ((0.0, 0.2, 0.0), (0.0, 0.5, 0.0), (0.0, 0.8, 0.0))
 
@@ -91,8 +97,9 @@ def _ring(hertz: Real, adhesion: Real) -> Contact:
 
 LAWS = {
     "ring force": Law(
-        axes=((1e-5, 0.4, TWO), (1e-3, 30.0, TWO)),
+        axes=((1e-5, 0.4, TWO), DAMPING_AXIS),
         contact=_ring,
+        exponent_of_size=SPEED_BY_SIZE,
         exponents=(0.0, 2.0, 9),
         starts=tuple(
             (n, *shares)
@@ -103,10 +110,12 @@ LAWS = {
     "viscous JKR": Law(
         axes=((1e-11, 2e-8, ONE), NONE),
         contact=lambda time, _: _ANY.replace(law=JKR(viscous_time=time)),
+        exponent_of_size=-7.0 / 6.0,
     ),
     "Thornton-Ning": Law(
         axes=((5e7, 2e10, KINKED), NONE),
         contact=lambda pressure, _: _ANY.replace(law=ThorntonNing(yield_pressure=pressure)),
+        exponent_of_size=1.0 / 3.0,
     ),
     "hysteresis": Law(
         axes=((0.1, 1e3, ONE), NONE),
@@ -166,8 +175,8 @@ def exponents(name: str) -> FloatArray:
     law = LAWS[name]
     rates, firsts, seconds = law.values
     shape = (rates.size, firsts.size, seconds.size)
-    if law.contact is None:  # half of 3 - 4/3: the work of a JKR contact over the mass
-        return np.full(shape, 5.0 / 6.0)
+    if law.contact is None:
+        return np.full(shape, -SPEED_BY_SIZE)
     first, second = (axis.reshape(-1, 1) for axis in np.meshgrid(firsts, seconds, indexing="ij"))
     contact, step = law.contact(first, second), 1.01
     changes = [{}, {"diameter": step * _ANY.diameter}]
@@ -182,6 +191,18 @@ def exponents(name: str) -> FloatArray:
     leaves = np.isfinite(exponent).all(axis=0)
     kept = np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))
     return np.asarray(exponent[:, kept].reshape(shape))
+
+
+def by_size(name: str) -> FloatArray:
+    """Columns ``BY_SIZE`` of the average over diameters (rate exponents, first, second, 3)."""
+    law = LAWS[name]
+    low, high, count = law.axes[0]
+    exponent = exponents(name)
+    shift = law.exponent_of_size * (count - 1) / np.log(high / low) if count > 1 else 0.0
+    # The adhesion damping falls with v_c^n, and its unit with the speed of the contact.
+    growth = SPEED_BY_SIZE + law.values[0][:, None, None] * exponent
+    growth = growth if law.contact is _ring else np.zeros_like(exponent)
+    return np.stack([exponent, np.full_like(exponent, shift), growth], axis=-1)
 
 
 def places(ratio: FloatArray) -> FloatArray:

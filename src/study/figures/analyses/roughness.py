@@ -24,11 +24,12 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """
     (table,) = tables.values()
     is_range = table["series"].str.startswith(RANGE)
-    figure, axes = style.line_figure({spec.name: table[~is_range]}, spec)
-    for name, ax in axes.items():
-        rows = table[is_range & (table["panel"] == spec.panels[name].shows)]
-        _draw_ranges(ax, rows, spec.panels[name])
-    style.legend_above(figure, axes.values(), 3)
+    figure, axes = style.new_figure(spec)
+    for name, panel in spec.panels.items():
+        style.draw_panel(axes[name], table[~is_range], panel, name)
+        _draw_ranges(axes[name], table[is_range & (table["panel"] == name)], panel)
+    style.legend_above(figure, axes.values())
+    style.evidence_key(figure, table["evidence"])
     return figure
 
 

@@ -1,9 +1,8 @@
-"""Figures of the campaign: its experiments, and the contents of the intervals of a mean."""
+"""Figure of all experiments of the campaign."""
 
 from __future__ import annotations
 
 import numpy as np
-import pandas as pd
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -27,11 +26,10 @@ COLOURS = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
 AREA = 9.0
 # Numbers of the scale; its small ticks are the speeds that occur.
 TICKS = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
-NOMINAL = "nominal"
 
 
 @style.context()
-def draw_map(tables: Tables, spec: FigureSpec) -> Figure:
+def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a mark for every experiment: particles on a surface against angle, coloured by speed.
 
     In a cell the speed grows from left to right. Those with too few events are in panel `FEW`
@@ -98,24 +96,3 @@ def _add_scale(figure: Figure, ax: Axes, scale: ScalarMappable, speeds: list[flo
     ticks = [tick for tick in TICKS if low <= tick <= high]
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.set_ticks(speeds, labels=[""] * len(speeds), minor=True)
-
-
-@style.context()
-def draw_coverage(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw how often intervals contain a mean: a panel per table, with their nominal level."""
-    figure, axes = style.new_figure(spec)
-    for (name, panel), table in zip(spec.panels.items(), tables.values(), strict=True):
-        ax = axes[name]
-        is_level = table["series"] == NOMINAL
-        for level in table.loc[is_level, table.columns[4]].unique():
-            ax.axhline(level, color="0.5", linewidth=0.6, zorder=1)
-            corner, mixed = (0.02, level), ax.get_yaxis_transform()
-            ax.annotate(f"{level:g} %", corner, xycoords=mixed, va="top", fontsize="small")
-        style.draw_panel(ax, table[~is_level], panel, name)
-        for series, points in table[~is_level].groupby("series", sort=False):
-            (x, y), colour = table.columns[3:5], panel.series[str(series)].colour
-            order = points.sort_values(x)
-            ax.plot(order[x], order[y], color=f"C{colour}", linewidth=0.6, alpha=0.7, zorder=2)
-    rows = pd.concat(tables.values())
-    style.evidence_key(figure, rows.loc[rows["series"] != NOMINAL, "evidence"])
-    return figure

@@ -1,24 +1,18 @@
-"""Figures of the particle trajectory imaging system: a frame with its track, and its errors."""
+"""Figure of a frame of the particle trajectory imaging system, with its track."""
 
 from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from study.figures import style
 from study.figures.registry import FigureSpec
 from study.tables import Tables
 
-# Errors up to this are drawn on a linear scale, larger ones on a logarithmic one.
-LINEAR_PERCENT = 0.1
-# Factor between the abscissae of neighbouring series, whose bars would hide each other.
-APART = 1.1
-
 
 @style.context()
-def draw_frame(tables: Tables, spec: FigureSpec) -> Figure:
+def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a part of a frame with the centroids and paths found in it; rows count downwards.
 
     ``ptis_pixels`` holds grey levels over columns, one series per row of the frame.
@@ -38,7 +32,7 @@ def draw_frame(tables: Tables, spec: FigureSpec) -> Figure:
         path.set_linewidth(0.8)
     # Marks inside the axes would be lost on the picture.
     ax.tick_params(which="both", direction="out", top=False, right=False)
-    style.legend_above(figure, [ax], 3)
+    style.legend_above(figure, [ax])
     style.evidence_key(figure, track["evidence"])
     return figure
 
@@ -51,17 +45,3 @@ def grey_levels(pixels: pd.DataFrame) -> tuple[np.ndarray, tuple[float, float, f
     left, right = columns[0] - 0.5, columns[-1] + 0.5
     top, bottom = lines[0] - 0.5, lines[-1] + (lines[1] - lines[0]) - 0.5
     return table.to_numpy(), (left, right, bottom, top)
-
-
-@style.context()
-def draw_accuracy(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw bias and scatter of the measured speed against the speed, one panel per leg."""
-
-    def prepare(ax: Axes, _: str) -> None:
-        # Linear about zero, so that errors of either sign and any size show.
-        ax.set_yscale("symlog", linthresh=LINEAR_PERCENT)
-        style.plain_numbers(ax.yaxis)
-
-    names = list(next(iter(spec.panels.values())).series)
-    moved = {name: style.apart(table, names, APART) for name, table in tables.items()}
-    return style.line_figure(moved, spec, prepare=prepare)[0]

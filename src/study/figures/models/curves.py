@@ -15,26 +15,30 @@ from study.tables import Tables
 
 # The series of both ends of the speeds at which particles piled up.
 PILE_UP = "printed pile-up"
-
-
-def _banded(tables: Tables, spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
-    """Draw every panel; the series ``posterior`` is a band behind the others."""
-    table = pd.concat(tables.values(), ignore_index=True)
-    is_band = table["series"] == "posterior"
-
-    def prepare(ax: Axes, name: str) -> None:
-        panel = spec.panels[name]
-        rows = table[is_band & (table["panel"] == (panel.shows or name))]
-        if not rows.empty:
-            series = panel.series["posterior"]
-            style.draw_band(ax, rows, series, series.label)
-
-    return style.line_figure({spec.name: table[~is_band]}, spec, prepare=prepare)
+# Part of an axis in which no word fits.
+NARROW = 0.04
 
 
 @style.context()
-def draw_lines(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw the curves of every panel as the registry declares them."""
+def draw(tables: Tables, spec: FigureSpec) -> Figure:
+    """Draw the series of every panel as the registry declares them."""
+    return style.line_figure(tables, spec)[0]
+
+
+@style.context()
+def draw_pairs(tables: Tables, spec: FigureSpec) -> Figure:
+    """Draw one panel per pair of the data.
+
+    The panel ``pair`` of the entry describes how a pair is drawn that has no panel of its own, as
+    one added to the study; the height of the entry is that of two rows of panels.
+    """
+    (table,) = tables.values()
+    panels = {
+        pair: spec.panels.get(pair, replace(spec.panels["pair"], title=pair))
+        for pair in dict.fromkeys(table["panel"])
+    }
+    rows = -(-len(panels) // (spec.columns or len(panels)))
+    spec = replace(spec, panels=panels, height_mm=spec.height_mm * rows / 2)
     return style.line_figure(tables, spec)[0]
 
 
@@ -44,28 +48,8 @@ def draw_trends(tables: Tables, spec: FigureSpec) -> Figure:
     figure, axes = style.line_figure(tables, spec)
     (table,) = tables.values()
     line = table[table["series"] == "capture velocity"]
-    style.shade_capture(axes["trends"], float(line.iloc[:, 3].max()))
+    _shade_capture(axes["trends"], line.iloc[:, 3].max())
     return figure
-
-
-@style.context()
-def draw_forces(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw forces against time; a term that is zero throughout says so in the legend."""
-    (table,) = tables.values()
-    largest = table.iloc[:, 4].abs().groupby(table["series"]).max()
-    panels = {
-        name: replace(
-            panel,
-            series={
-                term: replace(series, label=f"{series.label} (zero)")
-                if largest.get(term) == 0.0
-                else series
-                for term, series in panel.series.items()
-            },
-        )
-        for name, panel in spec.panels.items()
-    }
-    return _banded(tables, replace(spec, panels=panels))[0]
 
 
 @style.context()
@@ -73,9 +57,13 @@ def draw_normal(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a quantity against the normal speed; the series `PILE_UP` is a shaded range."""
     (table,) = tables.values()
     is_band = table["series"] == PILE_UP
-    figure, axes = style.line_figure(dict.fromkeys(tables, table[~is_band]), spec)
+    figure, axes = style.line_figure({spec.name: table[~is_band]}, spec)
+    low, high = table.loc[is_band, table.columns[3]].agg(["min", "max"])
+    look: dict[str, Any] = {"fontsize": "small", "ha": "center", "va": "bottom"}
     for ax in axes.values() if is_band.any() else ():
-        style.mark_range(ax, table[is_band].iloc[:, 3], "piles up (article)")
+        ax.axvspan(low, high, color="0.9", linewidth=0, zorder=0)
+        words, place = "piles up (article)", ax.get_xaxis_transform()
+        ax.text((low + high) / 2, 1.01, words, transform=place, **look)
     return figure
 
 
@@ -84,15 +72,13 @@ def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw curves against the angle of incidence, with the range of capture shaded.
 
     The series ``capture`` marks, in each panel, the angle at and below which the sphere is
-    captured; ``posterior`` is a band.
+    captured.
     """
     table = pd.concat(tables.values(), ignore_index=True)
     limits = table[table["series"] == "capture"]
-    figure, axes = _banded({"": table[table["series"] != "capture"]}, spec)
+    figure, axes = style.line_figure({spec.name: table[table["series"] != "capture"]}, spec)
     for panel, ax in axes.items():
-        angle = limits[limits["panel"] == panel].iloc[:, 3].to_numpy(float)[0]
-        if angle > 0.0:
-            style.shade_capture(ax, angle)
+        _shade_capture(ax, limits.loc[limits["panel"] == panel].iloc[:, 3].max())
     return figure
 
 
@@ -109,3 +95,13 @@ def draw_losses(tables: Tables, spec: FigureSpec) -> Figure:
         ax.fill_between(total.iloc[:, 3], *ends, label="energy of the final spin", **look)
         ax.legend(loc="lower right")
     return figure
+
+
+def _shade_capture(ax: Axes, limit: float) -> None:
+    """Shade the part of an axis from zero to a limit in which the sphere does not rebound."""
+    if limit <= 0.0:
+        return
+    ax.axvspan(0.0, limit, color="0.93", linewidth=0, zorder=0)
+    low, high = ax.get_ylim()
+    if limit > NARROW * ax.get_xlim()[1]:
+        ax.text(limit / 2, (low + high) / 2, "captured", rotation=90, ha="center", va="center")

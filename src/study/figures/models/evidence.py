@@ -36,7 +36,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     data = {str(table["panel"].iloc[0]): table for table in tables.values()}
     for number, (name, panel) in enumerate(spec.panels.items()):
         _draw_lines(axes[name], data[name], panel, is_first=number == 0)
-    style.legend_above(figure, [axes[name] for name in spec.panels], columns=3)
+    style.legend_above(figure, [axes[name] for name in spec.panels])
     return figure
 
 
@@ -78,23 +78,3 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, panel: PanelSpec, *, is_first: bo
     ax.set_yticks([*heights, *heads], names_of_lines)
     for tick in ax.get_yticklabels()[len(heights) :]:
         tick.set_fontweight("bold")
-
-
-@style.context()
-def draw_bands(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw e against the speed: bands of contacts by law, single contacts, printed values.
-
-    `tables`: those of the panels; series with bounds at many speeds are bands; `spec`: registry
-    entry.
-    """
-    figure, axes = style.new_figure(spec)
-    for name, panel in spec.panels.items():
-        table = next(each for each in tables.values() if name in set(each["panel"]))
-        is_band = (table["evidence"] != "printed") & table["y_low"].notna()
-        rows = table[(table["panel"] == name) & is_band]
-        for series, part in rows.groupby("series", sort=False):
-            style.draw_band(axes[name], part, panel.series[str(series)])
-        style.draw_panel(axes[name], style.without_bounds(table, is_band), panel, name)
-    style.legend_above(figure, axes.values())
-    style.evidence_key(figure, pd.concat([table["evidence"] for table in tables.values()]))
-    return figure

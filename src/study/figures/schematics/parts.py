@@ -78,7 +78,7 @@ def sheets(
     # An engine of its own: without any, Matplotlib falls back to that of the style when it saves.
     fixed = PlaceHolderLayoutEngine(adjust_compatible=True, colorbar_gridspec=True)
     figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout=fixed)
-    table = tables[next(iter(spec.data))]
+    table = tables[spec.data[0]]
     x, y = table.columns[3], table.columns[4]
     panels = {}
     for letter, (name, panel) in zip("abcdefgh", spec.panels.items(), strict=False):

@@ -11,6 +11,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 from study import studies
+from study.figures.registry import CURVES
 from study.ledgers.claims.words import in_words
 from study.report.site.graph import needs, upstream
 from study.report.site.ledgers import Row, read_rows
@@ -130,6 +131,7 @@ def figures(
     def figure(name: str) -> Figure:
         entry = record.figures[name]
         study, data = entry["study"], tuple(f"data/{table}.csv" for table in entry["data"])
+        module = entry.get("module", CURVES)
         tables = {f"tables/{table}.csv": words for table, words in entry.get("tables", {}).items()}
         return Figure(
             name=name,
@@ -144,19 +146,17 @@ def figures(
             inputs=_inputs(rules.get(study, Rule(name=study)), declared),
             upstream=upstream(study, needed),
             code={
-                "drawing": f"{entry['module']}.{entry.get('function', 'draw')}",
+                "drawing": f"{module}.{entry.get('function', 'draw')}",
                 "analysis": f"{homes.get(study, '')}.run",
             },
             explorer=explored(study, declared),
             departures=departures(declared, [study], needed),
-            contacts=()
-            if ".schematics." in entry["module"]
-            else contacts(entry, declared, calibration),
+            contacts=() if ".schematics." in module else contacts(entry, declared, calibration),
             equations=tuple(
                 row for row in ledgers["equations"] if row["equation"] in entry.get("equations", ())
             ),
             claims=tuple(row for row in ledgers["claims"] if name in row["figures"].split()),
-            is_narrow=entry.get("width", "single") == "single",
+            is_narrow=entry.get("width") == "single",
         )
 
     return [figure(n) for n in sorted(there, key=lambda n: (not ARTICLE.fullmatch(n), n))]

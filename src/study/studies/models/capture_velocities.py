@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
@@ -22,17 +22,14 @@ from microimpact.model.closed_forms import (
     brach_dunn_velocity,
     dahneke_velocity,
     jkr_sticking_velocity,
-    plastic_restitution,
-    sticking_restitution,
     yield_velocity,
 )
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from study.declared.parameters import CaseName, Must, Points, Positive
+from study.declared.parameters import CaseName, Points, Positive
 from study.studies.contacts import (
     CAPTURE_VELOCITIES,
-    PlateauRatio,
     calibrated_contact,
     fitted_to,
     printed_capture_velocity,
@@ -48,18 +45,10 @@ MODEL, JKR = "model", "jkr"
 BRACH_DUNN, DAHNEKE = "brach_dunn_1992", "dahneke_1971"
 YIELD = "thornton_ning_yield"
 
-NOTES = {
-    MODEL: "work of adhesion and damping of this contact, Eq. 25 time-reversed from capture",
-    JKR: "quasi-static loss of the snap-off alone, no damping (Johnson and Pollock 1994; Thornton "
-    "and Ning 1998)",
-    BRACH_DUNN: "stick criterion of deposition codes (El-Batsh); holds no energy of adhesion, its "
-    "0.51 is dimensional (SI)",
-    DAHNEKE: "energy of adhesion and restitution far above capture are those of this model",
-    YIELD: "onset of yield, for context; no law of capture, the same at every diameter",
-}
-
-# Well above the printed capture velocity, where every law that gives a restitution gives one.
-COMPARED_RATIO = 2.0
+# Ends of the axis; the article's spheres have 1.27 to 125 um.
+DIAMETERS_UM = (1.0, 125.0)
+# Far above capture, in capture velocities, restitution hardly depends on adhesion.
+PLATEAU = 10.0
 # One per cent of the diameter to either side: errors of the exponent below 1e-5.
 EXPONENT_STEP = 0.01
 
@@ -73,34 +62,21 @@ class PairCase:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """The pairs, the range of diameters, and where restitutions and exponents are read.
-
-    Dahneke's restitution is read off the model at ``plateau_speed_ratio`` times its capture
-    velocity, those of all laws at `COMPARED_RATIO` times the printed one.
-    """
+    """The pairs, and over how many diameters they are drawn."""
 
     pairs: Annotated[dict[CaseName, PairCase], Field(min_length=1)]
-    smallest_diameter_um: Positive
-    largest_diameter_um: Annotated[Positive, Must("above", "smallest_diameter_um")]
     points: Points
-    plateau_speed_ratio: PlateauRatio
 
 
-class Law(NamedTuple):
-    """One law for one pair: capture velocity of a contact, and e at a speed above it.
-
-    ``restitution`` is None where the law is a criterion of capture and nothing else.
-    """
-
-    velocity: Callable[[Contact], Real]
-    restitution: Callable[[float], Real] | None
+# Capture velocity of a contact by a law.
+Law = Callable[[Contact], Real]
 
 
 def run(params: Params, inputs: Tables) -> Tables:
     """Compare the laws.
 
-    ``capture_laws``: per pair and law the capture velocity at the pair's diameter, its ratios to
-    the printed one and to this model, the exponent of the diameter, and e at a compared speed.
+    ``capture_laws``: per pair and law the capture velocity at the pair's diameter, its ratio to
+    the printed one, and the exponent of the diameter.
     ``capture_law_curves``: capture velocity in m/s against diameter in um, one panel per pair.
     """
     rows: list[Row] = []
@@ -116,13 +92,13 @@ def run(params: Params, inputs: Tables) -> Tables:
             complaint = f"a capture velocity of {limit:g} m/s has no law beside it"
             raise ValueError(f"{case}: {complaint}")
         printed = printed_capture_velocity(inputs, contact)
-        laws = laws_of(pair, contact, params.plateau_speed_ratio)
+        laws = laws_of(pair, contact)
         # Of these capture velocities only this model's can have been fitted.
         fitted = (MODEL,) if fitted_to(inputs, case, "capture_velocity") else ()
         evidence = {name: result_evidence(name, fitted) for name in laws}
-        for name in laws:
-            row = _row(contact, name, laws, printed)
-            rows.append({"pair": case} | row | {"evidence": evidence[name], "note": NOTES[name]})
+        for name, law in laws.items():
+            row = _row(contact, name, law, printed)
+            rows.append({"pair": case} | row | {"evidence": evidence[name]})
         frames += _curves(params, case, contact, laws, evidence)
         if np.isfinite(printed):
             diameter = contact.diameter * 1e6
@@ -133,32 +109,26 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
 
 
-def laws_of(pair: PairCase, contact: Contact, plateau_speed_ratio: float) -> dict[str, Law]:
+def laws_of(pair: PairCase, contact: Contact) -> dict[str, Law]:
     """Return the laws that apply to a pair, by name.
 
-    What the pair gives to a law, such as Dahneke's restitution, is taken at the pair's diameter.
+    Dahneke's restitution is that of this model at the pair's diameter, at `PLATEAU`.
     """
-
-    def modelled(speed: float) -> Real:
-        return simulate(contact, speed).coefficient_of_restitution
-
-    plateau = float(modelled(plateau_speed_ratio * float(capture_velocity(contact))))
+    speed = PLATEAU * float(capture_velocity(contact))
+    plateau = float(simulate(contact, speed).coefficient_of_restitution)
 
     def dahneke(sphere: Contact) -> Real:
         return dahneke_velocity(adhesion_energy(sphere), sphere.mass, plateau)
 
-    laws = {
-        MODEL: Law(capture_velocity, modelled),
-        JKR: Law(
-            jkr_sticking_velocity, lambda v: sticking_restitution(v, jkr_sticking_velocity(contact))
-        ),
-        BRACH_DUNN: Law(brach_dunn_velocity, None),
-        DAHNEKE: Law(dahneke, lambda v: sticking_restitution(v, dahneke(contact), plateau)),
+    laws: dict[str, Law] = {
+        MODEL: capture_velocity,
+        JKR: jkr_sticking_velocity,
+        BRACH_DUNN: brach_dunn_velocity,
+        DAHNEKE: dahneke,
     }
     if pair.yield_strength_MPa is None:
         return laws
-    yields = partial(yield_velocity, yield_strength=pair.yield_strength_MPa * 1e6)
-    return laws | {YIELD: Law(yields, lambda v: plastic_restitution(v, yields(contact)))}
+    return laws | {YIELD: partial(yield_velocity, yield_strength=pair.yield_strength_MPa * 1e6)}
 
 
 def local_exponent(velocity: Callable[[Contact], Real], contact: Contact, step: float) -> float:
@@ -169,10 +139,8 @@ def local_exponent(velocity: Callable[[Contact], Real], contact: Contact, step: 
     return float(np.diff(np.log(ends))[0] / (2.0 * step))
 
 
-def _row(contact: Contact, name: str, laws: Mapping[str, Law], printed: float) -> Row:
-    law, compared = laws[name], COMPARED_RATIO * printed
-    velocity, modelled = (float(laws[own].velocity(contact)) for own in (name, MODEL))
-    gives_e = law.restitution if np.isfinite(compared) else None
+def _row(contact: Contact, name: str, law: Law, printed: float) -> Row:
+    velocity = float(law(contact))
     return {
         "particle": contact.particle.name,
         "surface": contact.surface.name,
@@ -181,10 +149,7 @@ def _row(contact: Contact, name: str, laws: Mapping[str, Law], printed: float) -
         "capture_velocity_m_per_s": velocity,
         "printed_m_per_s": printed,
         "ratio_to_printed": velocity / printed,
-        "ratio_to_model": velocity / modelled,
-        "exponent": local_exponent(law.velocity, contact, EXPONENT_STEP),
-        "compared_speed_m_per_s": compared,
-        "restitution_at_compared_speed": float(gives_e(compared)) if gives_e else np.nan,
+        "exponent": local_exponent(law, contact, EXPONENT_STEP),
     }
 
 
@@ -195,11 +160,11 @@ def _curves(
     laws: Mapping[str, Law],
     evidence: Mapping[str, str],
 ) -> list[pd.DataFrame]:
-    diameter = np.geomspace(params.smallest_diameter_um, params.largest_diameter_um, params.points)
+    diameter = np.geomspace(*DIAMETERS_UM, params.points)
     sized = resized(contact, diameter * 1e-6)
     frames = []
     for name, law in laws.items():
-        velocity = np.broadcast_to(law.velocity(sized), diameter.shape)
+        velocity = np.broadcast_to(law(sized), diameter.shape)
         finite = np.isfinite(velocity)
         curve = diameter[finite], velocity[finite], evidence[name]
         frames.append(_frame(case, name, *curve))

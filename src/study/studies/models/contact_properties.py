@@ -1,4 +1,4 @@
-"""Properties of every declared contact, and its capture velocity by this model and by others."""
+"""Properties of every declared contact, and its capture velocity."""
 
 from __future__ import annotations
 
@@ -6,25 +6,16 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from microimpact.model.closed_forms import (
-    adhesion_energy,
-    brach_dunn_velocity,
-    dahneke_velocity,
-    jkr_sticking_velocity,
-)
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import simulate
 from microimpact.model.pairs import pair_contact
-from study.studies.contacts import PlateauRatio, declared
+from study.studies.contacts import declared
 from study.tables import Tables
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Where Dahneke's restitution without adhesion is read off: a multiple of v_c."""
-
-    plateau_speed_ratio: PlateauRatio
+    """No parameter: the declared contacts say all."""
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -39,7 +30,6 @@ def run(params: Params, inputs: Tables) -> Tables:
         rows.append(
             {"particle": particle, "surface": surface}
             | properties(contact)
-            | velocities(contact, params.plateau_speed_ratio)
             | {"evidence": "computed"}
         )
     return {"contact_properties": pd.DataFrame(rows)}
@@ -62,19 +52,6 @@ def properties(contact: Contact) -> dict[str, float]:
         "adhesion_damping_s_per_m": contact.adhesion_damping,
         "hertz_group": hertz_group,
         "adhesion_group": adhesion_group,
+        "capture_velocity_m_per_s": capture_velocity(contact),
     }
     return {name: float(value) for name, value in values.items()}  # type: ignore[arg-type]
-
-
-def velocities(contact: Contact, plateau_speed_ratio: float) -> dict[str, float]:
-    """Return the capture velocity in m/s by the model and by closed forms."""
-    captured_below = float(capture_velocity(contact))
-    plateau = simulate(contact, plateau_speed_ratio * captured_below).coefficient_of_restitution
-    return {
-        "capture_velocity_m_per_s": captured_below,
-        "jkr_sticking_velocity_m_per_s": float(jkr_sticking_velocity(contact)),
-        "brach_dunn_1992_velocity_m_per_s": float(brach_dunn_velocity(contact)),
-        "dahneke_1971_velocity_m_per_s": float(
-            dahneke_velocity(adhesion_energy(contact), contact.mass, plateau)
-        ),
-    }

@@ -13,7 +13,7 @@ from microimpact.core.arrays import FloatArray
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.fit import RestitutionFit, fit_restitution
-from study.declared.parameters import AboveOne, CaseName, Fraction, Positive
+from study.declared.parameters import AboveOne, CaseName, Fraction
 from study.studies.contacts import (
     CAPTURE_VELOCITIES,
     calibrated_contact,
@@ -39,9 +39,9 @@ _frame = partial(series_frame, "restitution", x_unit="m_per_s", y_unit="1")
 # like a root.
 DRAWN_FROM = 0.7
 JUST_ABOVE = np.geomspace(1e-5, 0.03, 12)
-# Height of the line that marks the capture velocity of a fit.
-V_C_MARK = 0.1
 
+# End of the axis of Fig. 16, m/s.
+LARGEST_SPEED = 3.0
 # Smooth curves.
 CURVE_POINTS = 300
 # As many as events in an experiment.
@@ -57,7 +57,7 @@ class FittedCase:
     """
 
     figure: Literal["fig15", "fig16"]
-    fitted: bool
+    fitted: bool = True
     fitted_to: AboveOne
 
 
@@ -71,7 +71,6 @@ class Params:
     cases: dict[CaseName, FittedCase]
     fitted_from: AboveOne
     fixed_exponent: Fraction
-    largest_speed_m_per_s: Positive
 
     def __post_init__(self) -> None:
         """Refuse a figure without a case."""
@@ -101,7 +100,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         known: Row = {"simulated_v_c_m_per_s": limit, "printed_v_c_m_per_s": printed}
         is_fitted = fitted_to(inputs, name, "capture_velocity")
         evidence = "calibrated" if is_fitted else "computed"
-        largest = max(params.largest_speed_m_per_s, case.fitted_to * limit)
+        largest = max(LARGEST_SPEED, case.fitted_to * limit)
         speed = _speeds(DRAWN_FROM * limit, limit, largest, CURVE_POINTS)
         e = simulate(contact, speed).coefficient_of_restitution
         digitised_rows, curves = _digitised_fits(
@@ -118,10 +117,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         rows += [_row(name, known, evidence, fit) for fit in fits]
         free = fits[0]
         speed = _speeds(DRAWN_FROM * limit, free.v_c, largest, CURVE_POINTS)
-        figure_frames += [
-            _frame(f"{name}, fit", speed, free.curve(speed), evidence),
-            _frame(f"{name}, v_c of the fit", free.v_c, [0.0, V_C_MARK], evidence),
-        ]
+        figure_frames.append(_frame(f"{name}, fit", speed, free.curve(speed), evidence))
         mark = _frame(f"printed, {printed:g} m/s", printed, 0.0, "printed")
         if np.isfinite(printed) and not any(mark.equals(frame) for frame in figure_frames):
             figure_frames.append(mark)

@@ -7,10 +7,9 @@ in an impact, during which the sphere rolls through a small part of its own cont
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache, partial
-from itertools import pairwise, product
+from functools import partial
+from itertools import product
 from typing import Annotated
 
 import numpy as np
@@ -18,7 +17,6 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.solve import root
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.rolling import RollingImpulses, rolling_impulses
@@ -46,8 +44,6 @@ GRADES = {
 }
 PARTS = tuple(part for parts in GRADES.values() for part in parts)
 
-# Ends of ranges of angles are found to within so many degrees.
-ANGLE_ERROR = 1e-3
 # Curves begin so much above the normal speed of capture.
 ABOVE_CAPTURE = 1e-3
 
@@ -76,28 +72,18 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``rolling_dissipation``: per case, diameter, speed and angle the impulse of each moment over
     that of friction, and their sums by grade; empty where the sphere is captured.
-    ``rolling_ranges``: per case, diameter, speed and grade the least and greatest ratio at the
-    angles given, and the angles around the least one between which it is negligible (empty: none);
-    an end may be the limit, the outermost of those angles. Diameters and speeds with no rebound at
-    two of the angles have no row. ``rolling``: data of the figure.
+    ``rolling``: data of the figure.
     """
     rows: list[Row] = []
-    summary: list[Row] = []
-    impacts = product(params.cases, params.diameters_um, params.speeds_m_per_s)
-    for case, diameter, speed in impacts:
+    for case, diameter, speed in product(params.cases, params.diameters_um, params.speeds_m_per_s):
         contact = resized(calibrated_contact(inputs, case), diameter * 1e-6)
         start = {"case": case, "diameter_um": diameter, "speed_m_per_s": speed}
-        moments = _moments(params, contact, speed)
-        impulses = {a: moments(a) for a in _rebounding(contact, speed, np.array(params.angles_deg))}
-        rows += [
-            {**start, "angle_deg": angle, **_row(contact, speed, impulses.get(angle))}
-            for angle in params.angles_deg
-        ]
-        if len(impulses) > 1:
-            summary += [start | _summary(params, moments, impulses, grade) for grade in GRADES]
+        rebounds = _rebounding(contact, speed, np.array(params.angles_deg))
+        for angle in params.angles_deg:
+            moments = _moments(params, contact, speed, angle) if angle in rebounds else None
+            rows.append({**start, "angle_deg": angle, **_row(contact, speed, moments)})
     return {
         "rolling_dissipation": pd.DataFrame(rows).assign(evidence="computed"),
-        "rolling_ranges": pd.DataFrame(summary).assign(evidence="computed"),
         "rolling": curves(params, inputs),
     }
 
@@ -108,9 +94,8 @@ def ratio(moments: RollingImpulses, grade: str) -> float:
     return float(total / moments.friction)
 
 
-def _moments(params: Params, contact: Contact, speed: float) -> Callable[[float], RollingImpulses]:
-    shift = params.rolling_shift_nm * 1e-9
-    return cache(lambda angle: rolling_impulses(contact, speed, float(angle), shift))
+def _moments(params: Params, contact: Contact, speed: float, angle: float) -> RollingImpulses:
+    return rolling_impulses(contact, speed, angle, params.rolling_shift_nm * 1e-9)
 
 
 def _rebounding(contact: Contact, speed: float, angles: FloatArray) -> FloatArray:
@@ -134,53 +119,6 @@ def _row(contact: Contact, speed: float, moments: RollingImpulses | None) -> Row
     }
 
 
-def _summary(
-    params: Params,
-    moments: Callable[[float], RollingImpulses],
-    impulses: Mapping[float, RollingImpulses],
-    grade: str,
-) -> Row:
-    """Return the row of one grade, from the moments at the angles of rebounds."""
-    angles = np.array(list(impulses))
-    ratios = np.array([ratio(of, grade) for of in impulses.values()])
-
-    def excess(angle: float) -> float:
-        return ratio(moments(angle), grade) - params.negligible
-
-    low, high = around_least(excess, angles, ratios - params.negligible)
-    return {
-        "grade": grade,
-        "least_ratio": ratios.min(),
-        "greatest_ratio": ratios.max(),
-        "greatest_at_deg": angles[np.argmax(ratios)],
-        "negligible_below": params.negligible,
-        "negligible_from_deg": low,
-        "negligible_to_deg": high,
-        "from_is_limit": low == angles[0],
-        "to_is_limit": high == angles[-1],
-    }
-
-
-def around_least(
-    excess: Callable[[float], float], x: FloatArray, values: FloatArray
-) -> tuple[float, float]:
-    """Return between which x the excess stays negative, around the least of its values at x.
-
-    The outermost x, if it stays so up to there; NaN, if it is nowhere negative.
-    """
-    least = int(np.argmin(values))
-    if values[least] >= 0.0:
-        return np.nan, np.nan
-
-    def end(order: range) -> float:
-        for inner, outer in pairwise(order):
-            if values[outer] >= 0.0:
-                return root(excess, x[inner], x[outer], absolute=ANGLE_ERROR)
-        return float(x[order[-1]])
-
-    return end(range(least, -1, -1)), end(range(least, x.size))
-
-
 def curves(params: Params, inputs: Tables) -> pd.DataFrame:
     """Return the data of the figure: each grade against the angle, per case and speed."""
     frames = []
@@ -188,7 +126,7 @@ def curves(params: Params, inputs: Tables) -> pd.DataFrame:
     for case, speed in product(params.cases, params.drawn_speeds_m_per_s):
         contact = resized(calibrated_contact(inputs, case), params.drawn_diameter_um * 1e-6)
         rebounding = _rebounding(contact, speed, angles)
-        moments = [_moments(params, contact, speed)(angle) for angle in rebounding]
+        moments = [_moments(params, contact, speed, angle) for angle in rebounding.tolist()]
         for grade in GRADES:
             ratios = np.array([ratio(c, grade) for c in moments])
             frames.append(_frame(grade, f"{case}, {speed:g} m/s", rebounding, ratios))

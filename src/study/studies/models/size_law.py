@@ -157,8 +157,6 @@ def impacts(params: Params, contacts: dict[str, Contact], pair: tuple[str, str])
                 "smaller_um": params.smaller_um,
                 "larger_um": larger,
                 "lowest_speed_in_v_c": lowest,
-                "exponent_first": powers[pair[0]],
-                "exponent_second": powers[pair[1]],
                 "rebounds_per_sieve": np.ceil(
                     max(variances) * (params.standard_errors / apart) ** 2
                 ),
