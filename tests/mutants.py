@@ -14,29 +14,14 @@ import os
 import sys
 import tempfile
 import time
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from tests.shared import ROOT, copy_project, execute
 
-SOURCE = "src"
 
-
-@dataclass(frozen=True, slots=True)
-class Mutant:
-    """A wrong form.
-
-    Attributes
-    ----------
-    name
-        What is wrong.
-    path
-        The file, from the package's root.
-    right, wrong
-        Text there, which occurs once, and what replaces it.
-    tests
-        Test modules, of which one must fail.
-    """
+class Mutant(NamedTuple):
+    """A wrong form: its name, file in ``src``, text there once and in its place, test modules."""
 
     name: str
     path: str
@@ -57,148 +42,58 @@ class Mutant:
         return text.replace(self.right, self.wrong)
 
 
-MUTANTS = (
-    Mutant(
-        "pairs: each rebound one record late",
-        "microimpact/lab/pdpa/pairing.py",
-        "return incident, up[np.repeat(first, number) + within]",
-        "return incident, up[np.minimum(np.repeat(first, number) + within + 1, up.size - 1)]",
-        "lab/pdpa/test_pairing",
-    ),
-    Mutant(
-        "pairs: the last candidate of each left out",
-        "microimpact/lab/pdpa/pairing.py",
-        "    number = last - first\n",
-        "    number = np.maximum(last - first - 1, 0)\n",
-        "lab/pdpa/test_pairing",
-    ),
-    Mutant(
-        "pairs: sizes not compared",
-        "microimpact/lab/pdpa/pairing.py",
-        "cost = np.square(growth[inside]) + np.square(lateness[inside])",
-        "cost = np.square(lateness[inside])",
-        "lab/pdpa/test_pairing",
-    ),
-    Mutant(
-        "interval: as many degrees of freedom as events",
-        "microimpact/statistics/intervals.py",
-        "t = stdtrit(events - 1 if freedom is None else freedom, 0.5 * (1.0 + level))",
-        "t = stdtrit(events if freedom is None else freedom, 0.5 * (1.0 + level))",
-        "lab/test_dispenser lab/test_reduction statistics/test_intervals",
-    ),
-    Mutant(
-        "interval: one-sided",
-        "microimpact/statistics/intervals.py",
-        "t = stdtrit(events - 1 if freedom is None else freedom, 0.5 * (1.0 + level))",
-        "t = stdtrit(events - 1 if freedom is None else freedom, level)",
-        "lab/test_dispenser lab/test_reduction statistics/test_intervals",
-    ),
-    Mutant(
-        "camera: gravity upwards",
-        "microimpact/lab/ptis/system.py",
-        "return gravity * np.array([np.cos(alpha), 0.0, -np.sin(alpha)])",
-        "return gravity * np.array([np.cos(alpha), 0.0, np.sin(alpha)])",
-        "lab/ptis/test_ptis lab/ptis/test_tracks",
-    ),
-    Mutant(
-        "camera: no noise of the light itself",
-        "microimpact/lab/ptis/frames.py",
-        "level / instrument.electrons_per_count + instrument.read_noise_counts**2",
-        "0.0 * level + instrument.read_noise_counts**2",
-        "lab/ptis/test_ptis",
-    ),
-    Mutant(
-        "spots: pixels that touch by a corner are apart",
-        "microimpact/lab/ptis/tracks.py",
-        "scipy.ndimage.label(bright[box], np.ones((3, 3)))",
-        "scipy.ndimage.label(bright[box])",
-        "lab/ptis/test_spots",
-    ),
-    Mutant(
-        "tracks: gravity gains speed after the surface",
-        "microimpact/lab/ptis/tracks.py",
-        "return self.velocity - self.contact[..., None] * [0.0, self.gravity]",
-        "return self.velocity + self.contact[..., None] * [0.0, self.gravity]",
-        "lab/ptis/test_tracks",
-    ),
-    Mutant(
-        "error model of imaging: no jitter of the pulses",
-        "microimpact/lab/ptis/errors.py",
-        "each = [jitter * velocity, noise[0] * direction, noise[1] * aside]",
-        "each = [0.0 * velocity, noise[0] * direction, noise[1] * aside]",
-        "lab/ptis/test_ptis_model article/test_ptis",
-    ),
-    Mutant(
-        "drop height: factor 2 missing",
-        "microimpact/lab/dispenser.py",
-        "return (speed**2 - exit_speed**2) / (2.0 * gravity)",
-        "return (speed**2 - exit_speed**2) / gravity",
-        "lab/test_dispenser",
-    ),
-    Mutant(
-        "sum of twelve numbers: mean 6 left in",
-        "microimpact/statistics/sampling.py",
-        "return _inside(scipy.special.ndtr(part.sum(axis=1) - SUMMANDS / 2))",
-        "return _inside(scipy.special.ndtr(part.sum(axis=1) - SUMMANDS / 2 + 0.5))",
-        "statistics/test_distributions studies/test_monte_carlo",
-    ),
-    Mutant(
-        "design: runs in the library's order",
-        "microimpact/statistics/effects.py",
-        "rows: FloatArray = design[order]",
-        "rows: FloatArray = design[order[::-1]]",
-        "statistics/test_designs",
-    ),
-    Mutant(
-        "design: half effects",
-        "microimpact/statistics/effects.py",
-        "2.0 / len(design) * np.asarray(response) @ contrasts",
-        "1.0 / len(design) * np.asarray(response) @ contrasts",
-        "studies/test_doe",
-    ),
-    Mutant(
-        "design: product of words as their union",
-        "microimpact/statistics/effects.py",
-        "set(first) ^ set(second)",
-        "set(first) | set(second)",
-        "studies/test_doe",
-    ),
-    Mutant(
-        "design: Lenth's degrees of freedom m for m/3",
-        "microimpact/statistics/effects.py",
-        "stdtrit(sizes.size / 3.0, [single, together])",
-        "stdtrit(sizes.size, [single, together])",
-        "studies/test_doe",
-    ),
-    Mutant(
-        "Monte Carlo: scatter of the sums for that of their ratio",
-        "study/studies/analyses/monte_carlo/ensembles.py",
-        "scatter = sums[:, first] - average * sums[:, passes.ACCEPTED]",
-        "scatter = sums[:, first] - np.mean(sums[:, first])",
-        "studies/test_monte_carlo",
-    ),
-    Mutant(
-        "random numbers: parts of an analysis share one stream",
-        "microimpact/statistics/distributions.py",
-        "return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))",
-        "return np.random.default_rng(np.random.SeedSequence(seed))",
-        "statistics/test_distributions studies/test_campaign lab/test_dispenser lab/pdpa/test_pdpa",
-    ),
-    Mutant(
-        "fits: constants left in the units of the fit",
-        "microimpact/model/empirical/search.py",
-        "    parameters[:, [0, 2, V_C]] *= sets.unit[:, None]",
-        "    parameters[:, [V_C]] *= sets.unit[:, None]",
-        "model/empirical/test_restitution_fit",
-    ),
-    Mutant(
-        "fits: captured spheres miss below v_c, as by the printed form",
-        "microimpact/model/empirical/kernel.py",
-        "                kept = kept if rebounds else 0.0",
-        "                kept = kept if rebounds else 0.5",
-        "model/empirical/test_search",
-    ),
-)
+INTERVALS = "lab/test_dispenser lab/test_reduction statistics/test_intervals"
+MUTANTS = [Mutant(*row) for row in (
+    ("pairs: each rebound one record late", "microimpact/lab/pdpa/pairing.py",
+     "up[np.repeat(first, number) + within]",
+     "up[np.minimum(np.repeat(first, number) + within + 1, up.size - 1)]", "lab/pdpa/test_pairing"),
+    ("pairs: the last candidate of each left out", "microimpact/lab/pdpa/pairing.py",
+     "number = last - first\n", "number = np.maximum(last - first - 1, 0)\n",
+     "lab/pdpa/test_pairing"),
+    ("pairs: sizes not compared", "microimpact/lab/pdpa/pairing.py",
+     "np.square(growth[inside]) + ", "", "lab/pdpa/test_pairing"),
+    ("interval: as many degrees of freedom as events", "microimpact/statistics/intervals.py",
+     "stdtrit(events - 1 if", "stdtrit(events if", INTERVALS),
+    ("interval: one-sided", "microimpact/statistics/intervals.py",
+     "0.5 * (1.0 + level))", "level)", INTERVALS),
+    ("camera: gravity upwards", "microimpact/lab/ptis/system.py",
+     "[np.cos(alpha), 0.0, -np.sin(alpha)]", "[np.cos(alpha), 0.0, np.sin(alpha)]",
+     "lab/ptis/test_ptis lab/ptis/test_tracks"),
+    ("camera: no noise of the light itself", "microimpact/lab/ptis/frames.py",
+     "level / instrument.electrons_per_count", "0.0 * level", "lab/ptis/test_ptis"),
+    ("spots: pixels that touch by a corner are apart", "microimpact/lab/ptis/tracks.py",
+     "bright[box], np.ones((3, 3))", "bright[box]", "lab/ptis/test_spots"),
+    ("tracks: gravity gains speed after the surface", "microimpact/lab/ptis/tracks.py",
+     "self.velocity - self.contact", "self.velocity + self.contact", "lab/ptis/test_tracks"),
+    ("error model of imaging: no jitter of the pulses", "microimpact/lab/ptis/errors.py",
+     "[jitter * velocity", "[0.0 * velocity", "lab/ptis/test_ptis_model article/test_ptis"),
+    ("drop height: factor 2 missing", "microimpact/lab/dispenser.py",
+     "/ (2.0 * gravity)", "/ gravity", "lab/test_dispenser"),
+    ("sum of twelve numbers: mean 6 left in", "microimpact/statistics/sampling.py",
+     "- SUMMANDS / 2)", "- SUMMANDS / 2 + 0.5)",
+     "statistics/test_distributions studies/test_monte_carlo"),
+    ("design: runs in the library's order", "microimpact/statistics/effects.py",
+     "= design[order]", "= design[order[::-1]]", "statistics/test_designs"),
+    ("design: half effects", "microimpact/statistics/effects.py",
+     "2.0 / len(design)", "1.0 / len(design)", "studies/test_doe"),
+    ("design: product of words as their union", "microimpact/statistics/effects.py",
+     "set(first) ^ set(second)", "set(first) | set(second)", "studies/test_doe"),
+    ("design: Lenth's degrees of freedom m for m/3", "microimpact/statistics/effects.py",
+     "sizes.size / 3.0", "sizes.size", "studies/test_doe"),
+    ("Monte Carlo: scatter of the sums for that of their ratio",
+     "study/studies/analyses/monte_carlo/ensembles.py",
+     "average * sums[:, passes.ACCEPTED]", "np.mean(sums[:, first])", "studies/test_monte_carlo"),
+    ("random numbers: parts of an analysis share one stream",
+     "microimpact/statistics/distributions.py",
+     "SeedSequence(seed, spawn_key=key)", "SeedSequence(seed)",
+     "statistics/test_distributions studies/test_campaign lab/test_dispenser lab/pdpa/test_pdpa"),
+    ("fits: constants left in the units of the fit", "microimpact/model/empirical/search.py",
+     "parameters[:, [0, 2, V_C]] *=", "parameters[:, [V_C]] *=",
+     "model/empirical/test_restitution_fit"),
+    ("fits: captured spheres miss below v_c, as by the printed form",
+     "microimpact/model/empirical/kernel.py",
+     "kept if rebounds else 0.0", "kept if rebounds else 0.5", "model/empirical/test_search"),
+)]  # fmt: skip
 
 
 def failing(root: Path, modules: list[str]) -> str:
@@ -216,7 +111,7 @@ def failing(root: Path, modules: list[str]) -> str:
 
 def noticed(root: Path, mutant: Mutant) -> bool:
     """Put a wrong form into a copy, see whether a test fails, and take it out again."""
-    path, begin = root / SOURCE / mutant.path, time.perf_counter()
+    path, begin = root / "src" / mutant.path, time.perf_counter()
     right = path.read_text(encoding="utf-8")
     path.write_text(mutant.apply(right), encoding="utf-8")
     by = failing(root, mutant.modules)

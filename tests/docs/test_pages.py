@@ -54,7 +54,9 @@ def test_kept_verdicts_are_on_the_declared_statements_and_criteria():
     assert list(kept.index) == list(declared), RENEW
     for name, claim in declared.items():
         row = kept.loc[name]
-        criterion = "; ".join(f"{claim.labels[c.quantity]} {bounds(c.row)}" for c in claim.criteria)
+        criterion = "; ".join(
+            f"{claim.labels[n]} {bounds(c.row)}" for n, c in claim.criteria.items()
+        )
         assert row["statement"] == claim.statement, f"{name}: {RENEW}"
         assert row["criterion"] == criterion, f"{name}: {RENEW}"
 

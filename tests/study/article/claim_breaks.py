@@ -68,24 +68,6 @@ class World:
         changed = with_contacts(table, factors)
         return {"calibration": changed.where(table["case"] == case, table)}
 
-    def damped(self, case, speed, restitution):
-        """Return the calibration with the damping of a case scaled to a restitution."""
-        contact = self.contact(case)
-        scaled = damping_factor_for(contact, speed, restitution)
-        factor = float(scaled.adhesion_damping / contact.adhesion_damping)
-        return self.calibration(case, hertz_damping=factor, adhesion_damping=factor)
-
-    def mechanisms(self):
-        """Return the parameters of the mechanisms and their sampling."""
-        params = build(mechanisms.Params, self.settings.branches["mechanisms"])
-        return params, Sampling(
-            seed=params.seed,
-            impacts=params.impacts,
-            events=params.events,
-            angle_error_deg=params.instrument.angle_error_deg,
-            dispenser=params.dispenser,
-        )
-
     def study(self, name, tables, **changes):
         """Run another study with some tables changed."""
         known = {table: self.inputs[table] for table in studies.needs(name) if table in self.inputs}
@@ -128,8 +110,9 @@ def strong_spore(claim, world):
     return world.numbers(claim, world.study("mechanisms", {}))
 
 
-def on_formica(claim, world, tables):
-    """The spore on Formica with another contact."""
+def on_formica(claim, world, **factors):
+    """The spore on Formica with properties of its contact multiplied."""
+    tables = world.calibration(FORMICA_SPORE, **factors)
     table = world.study("mechanisms", tables)["formica_mechanism"]
     return world.numbers(claim, {**tables, "formica_mechanism": table})
 
@@ -137,11 +120,10 @@ def on_formica(claim, world, tables):
 def elastic_spore(claim, world):
     """The contact of the spore with the restitution of steel at normal incidence."""
     aim = float(normal_impact(world.contact("steel-formica"), 1.66).coefficient_of_restitution)
-    return on_formica(claim, world, world.damped(FORMICA_SPORE, 1.48, aim))
-
-
-def spore_without_adhesion(claim, world):
-    return on_formica(claim, world, world.calibration(FORMICA_SPORE, work_of_adhesion=0.0))
+    contact = world.contact(FORMICA_SPORE)
+    scaled = damping_factor_for(contact, 1.48, aim)
+    factor = float(scaled.adhesion_damping / contact.adhesion_damping)
+    return on_formica(claim, world, hertz_damping=factor, adhesion_damping=factor)
 
 
 def net_force(claim, world):
@@ -153,7 +135,14 @@ def net_force(claim, world):
     world.patch.setattr(surface, "normal_impact", by_net_force)
     # Without tables of the law, every contact is integrated.
     world.patch.setattr(experiment, "simulated", lambda contact, n, law: simulated(contact, n))
-    params, sampling = world.mechanisms()
+    params = build(mechanisms.Params, world.settings.branches["mechanisms"])
+    sampling = Sampling(
+        seed=params.seed,
+        impacts=params.impacts,
+        events=params.events,
+        angle_error_deg=params.instrument.angle_error_deg,
+        dispenser=params.dispenser,
+    )
     curves = shallow_curves(params.shallow, sampling, world.inputs)
     table = pd.DataFrame(adhesion_or_roughness(params.shallow, curves))
     return world.numbers(claim, {"adhesion_or_roughness": table})
@@ -267,7 +256,7 @@ BREAKS = {
     "C56": partial(levels, factor="radius", half=0.0005),
     "C81": strong_spore,
     "C88": elastic_spore,
-    "C89": spore_without_adhesion,
+    "C89": partial(on_formica, work_of_adhesion=0.0),
     "C92": net_force,
     "C101": partial(patched, where=rigid_body, adhesion_work=earlier_work_of_adhesion),
     "C103": partial(patched, where=dynamics, hertz_period=scale_of_the_group),

@@ -26,15 +26,9 @@ def run_study(made):
 
 
 @pytest.fixture(scope="session")
-def shipped_calibration(made):
-    """The tables of the calibration as shipped, from which most studies start."""
-    return made("calibration")
-
-
-@pytest.fixture(scope="session")
-def calibration(shipped_calibration):
-    """The calibrated cases and the family they are of, as studies take them."""
-    return {name: shipped_calibration[name] for name in ("calibration", "calibration_family")}
+def calibration(made):
+    """The calibrated cases and the family they are of, from which most studies start."""
+    return {name: made("calibration")[name] for name in ("calibration", "calibration_family")}
 
 
 @pytest.fixture(scope="session")
@@ -79,15 +73,3 @@ def draw(figures):
         return function({key: tables[key] for key in spec.data}, spec)
 
     return drawn
-
-
-def legend_texts(figure):
-    """Return all texts of the legends of a figure, those of its panels included."""
-    legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes)]
-    present = [legend for legend in legends if legend is not None]
-    return [text.get_text() for legend in present for text in legend.get_texts()]
-
-
-@pytest.fixture(name="legend_texts")
-def _legend_texts():
-    return legend_texts

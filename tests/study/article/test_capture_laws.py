@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from microimpact import Contact, Material, capture_velocity, simulate
-from microimpact.model.closed_forms import plastic_restitution, sticking_restitution, yield_velocity
+from microimpact.model.closed_forms import sticking_restitution, yield_velocity
 from study.tables import NOT_COMPUTED
 
 LAWS = ["model", "jkr", "brach_dunn_1992", "dahneke_1971"]
@@ -181,17 +181,6 @@ def test_exponent_of_the_model(table, tables):
     assert exponents[LATEX] == pytest.approx(at, abs=1e-3)
 
 
-def test_evidence(table, calibration):
-    met = calibration["calibration"].query("role == 'target' and quantity == 'capture_velocity'")
-    calibrated = set(met["case"]) & set(PRINTED)
-    assert calibrated == set(PRINTED) - {MOLYBDENUM}
-    for (pair, law), row in table.iterrows():
-        fixed = law == "model" and pair in calibrated
-        assert row["evidence"] == ("calibrated" if fixed else "computed")
-        if fixed:
-            assert row["ratio_to_printed"] == pytest.approx(1.0, rel=1e-6)
-
-
 def test_sticking_restitution():
     assert sticking_restitution(np.array([0.5, 1.0, 2.0]), 1.0) == pytest.approx(
         [0.0, 0.0, math.sqrt(0.75)]
@@ -211,21 +200,3 @@ def test_onset_of_yield_by_hand(table):
     pressure = 2 * modulus / math.pi * math.sqrt(compression / 31e-6)
     assert pressure == pytest.approx(1.6 * 205e6, rel=1e-9)
     assert yield_velocity(contact, 2 * 205e6) == pytest.approx(found * 2**2.5, rel=1e-12)
-
-
-def test_plastic_restitution():
-    # continuous at the onset of yield
-    assert plastic_restitution(np.array([0.5, 1.0]), 1.0) == pytest.approx([1.0, 1.0], abs=1e-12)
-    # fast limit: e = 1.185 x^(1/4)
-    assert plastic_restitution(1e6, 1.0) == pytest.approx(1.185 * 1e6**-0.25, rel=1e-3)
-    assert (np.diff(plastic_restitution(np.geomspace(1.0, 1e3, 50), 1.0)) < 0).all()
-
-
-def test_a_case_without_a_printed_velocity(study, draw, legend_texts):
-    case = "lycopodium-silicon"
-    tables = study(pairs={case: {}} | dict.fromkeys(PRINTED), points=9)
-    table = tables["capture_laws"]
-    assert set(table["pair"]) == {case}
-    assert table["printed_m_per_s"].isna().all()
-    figure = draw("capture_laws", tables)
-    assert "printed capture velocity" not in legend_texts(figure)

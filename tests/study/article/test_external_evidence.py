@@ -74,23 +74,11 @@ class TestObliqueData:
         assert rows.loc[("steel-silicon, n = 1, mindlin", "greatest"), "value"] > 0.4
         assert rows.loc[("steel-silicon, n = 1, rigid", "greatest"), "value"] < 1e-9
 
-    def test_other_facts_are_no_rebounds(self, run_study):
-        with pytest.raises(
-            ValueError, match=r"external evidence, quantity must be one of .*got 'd"
-        ):
-            run_study("oblique_data", external="wall1990")
-
     def test_friction_moves_the_residuals(self, run_study, rms):
         other = run_study("oblique_data", friction=0.12)["oblique_residuals"]
         rows = other.query("reading == 'all'").set_index(["quantity", "branch", "law"]).sort_index()
         place = ("tangential_restitution", "sliding", "rigid")
         assert rows.loc[place, "rms"] > 3 * rms.loc[place, "rms"]
-
-    def test_the_printed_angle_vanishes_for_another_pair(self, run_study):
-        another = {"microspheres": {"case": "ammonium-fluorescein-mica", "speed_m_per_s": 20.0}}
-        made = run_study("oblique_data", **another)
-        for name in ("contact_point", "tangential_bounds"):
-            assert "printed" not in set(made[name]["evidence"])
 
     def test_where_no_impact_slides_nothing_is_said_of_the_transition(self, run_study):
         another = {"microspheres": {"case": "ammonium-fluorescein-mica", "speed_m_per_s": 1.66}}
@@ -149,8 +137,3 @@ class TestExternalEvidence:
         row = self.rows(evidence, "apparent restitution").iloc[0]
         assert row["computed"] == 0.9
         assert row["agreement"] == external_evidence.DISAGREES
-
-    def test_a_missing_fact_is_named(self):
-        facts = pd.DataFrame({"name": [], "quantity": []})
-        with pytest.raises(ValueError, match=r"wall1990\.greatest_energy_loss: 0 rows, must be 1"):
-            external_evidence.fact(facts, "wall1990", "greatest_energy_loss")

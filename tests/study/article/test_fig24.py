@@ -1,9 +1,15 @@
-"""Figs. 24 and 25: effects of five factors on the capture velocity, and what the text says."""
+"""Figs. 24 and 25: effects of five factors on the capture velocity, and Sobol' indices of them."""
 
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
+from scipy.special import ndtri
+
+from microimpact.model.dynamics.capture import capture_velocity
+from study.studies.analyses.doe.factors import LETTERS, at_levels
+from study.studies.contacts import calibrated_contact
 
 STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
 
@@ -86,3 +92,78 @@ def test_another_generator(run_study, calibration, sampling, settings):
     own = table[(table["variation"] == "uniform") & (table["response"] == "v_c by Eq. 34")]
     assert own["effect"].tolist() == ["A", "B", "C", "D", "E", "BC", "BE"]
     assert set(found["doe_aliases"]["resolution"]) == {3}
+
+
+# Sobol' indices
+
+
+@pytest.fixture(scope="module")
+def levels(calibration, tables):
+    return calibration | {name: tables[name] for name in ("doe_levels", "doe_effects")}
+
+
+@pytest.fixture(scope="module")
+def sobol(run_study, levels):
+    small = {"samples": 256, "calibrated_samples": 64, "resamples": 100}
+    return run_study("sensitivity", levels, **small)
+
+
+def test_logarithmic_indices_are_the_shares_of_squared_effects(sobol):
+    table = sobol["sensitivity_indices"]
+    rows = table[(table["response"] == "ln v_c") & (table["variation"] == "uniform")]
+    assert rows["first"].to_numpy() == pytest.approx(rows["effect_first"].to_numpy(), abs=0.05)
+    assert rows["total"].to_numpy() == pytest.approx(rows["effect_total"].to_numpy(), abs=0.03)
+
+
+def share_of_all_but_the_radius(contact, levels, quantile, n=2048, blocks=16):
+    """Total index of the other factors and its error, by pairs of draws with one radius."""
+    low, high = (levels[f"{end}_multiple"].to_numpy() for end in ("low", "high"))
+    scores = np.random.default_rng(5).standard_normal((2, n, len(LETTERS)))
+    scores[1, :, LETTERS.index("C")] = scores[0, :, LETTERS.index("C")]
+    multiples = np.sqrt(low * high) * np.exp(0.5 * np.log(high / low) * scores / ndtri(quantile))
+    one, other = capture_velocity(at_levels(contact, multiples))
+    halves = 0.5 * (one - other) ** 2 / np.var([one, other])
+    means = halves.reshape(blocks, -1).mean(axis=1)
+    return float(means.mean()), float(means.std(ddof=1) / np.sqrt(blocks))
+
+
+def test_the_weight_of_the_parameters_is_that_of_independent_draws(sobol, levels, settings):
+    keys = ["case", "variation", "kind", "input"]
+    groups = sobol["sensitivity_groups"].set_index(keys).sort_index()
+    inputs = {**levels, "materials": pd.DataFrame(settings.tables.materials.rows)}
+    by_case = levels["doe_levels"].query("variation == 'realistic'").groupby("case")
+    quantile = settings.branches["sensitivity"]["level_quantile"]
+    for case in STEEL:
+        contact = calibrated_contact(inputs, case)
+        truth, error = share_of_all_but_the_radius(contact, by_case.get_group(case), quantile)
+        found = groups.loc[case, "realistic", "group", "uncertainty"]
+        # an interval of 95 % is two standard errors to either side
+        sampling = np.hypot((found["total_high"] - found["total_low"]) / 4.0, error)
+        assert abs(found["total"] - truth) < 3.0 * sampling
+        assert truth - 4.0 * error > 0.2
+
+
+def test_intervals_narrow(sobol):
+    table = sobol["sensitivity_convergence"]
+    table = table[(table["factor"] == "C") & (table["variation"] == "uniform")]
+    for _, rows in table.groupby("case"):
+        width = (rows["total_high"] - rows["total_low"]).to_numpy()
+        assert rows["samples"].tolist() == [32, 64, 128, 256]
+        assert width[-1] < 0.6 * width[0]
+
+
+def test_a_case_without_levels_is_named(run_study, levels):
+    table = levels["doe_levels"]
+    some = {**levels, "doe_levels": table[table["case"] != STEEL[1]]}
+    with pytest.raises(ValueError, match="n = 1' has no levels"):
+        run_study("sensitivity", some, samples=32, calibrated_samples=32, resamples=20)
+
+
+@pytest.mark.parametrize(
+    ("name", "deviation"),
+    [("restitution_deviation", 0.3), ("capture_velocity_deviation_m_per_s", 0.2)],
+)
+def test_draws_outside_the_admissible_are_named(run_study, levels, name, deviation):
+    small = {"samples": 32, "calibrated_samples": 32, "resamples": 20}
+    with pytest.raises(ValueError, match=f"{name}: draws"):
+        run_study("sensitivity", levels, **small, **{name: deviation})

@@ -51,16 +51,6 @@ def cell(tables):
     return tables["fit_coverage"].set_index(names).sort_index().loc
 
 
-def test_every_design_is_there_once(tables):
-    table = tables["fit_coverage"]
-    assert not table.duplicated(["truth", "noise_of_e", "lowest_speed_in_v_c", "exponent"]).any()
-    assert len(table) == 2 * 2 * 2 * 2
-    assert len(tables["averaged_intervals"]) == 2
-    assert not table.isna().any().any()
-    assert (table["rms_error"] >= table["bias"].abs()).all()
-    assert (table["coverage_low"] < table["coverage_high"]).all()
-
-
 def test_truths_are_the_curves_themselves(branch, inputs):
     params, ratio = build(Params, branch), np.array([1.05, 2.0, 10.0])
     contact = true_contact(params, inputs, "simulation")
@@ -156,29 +146,14 @@ def test_designs_of_the_file_are_what_the_study_computes(branch, inputs):
         assert list(curve > 0.0) == [False, True, False]
 
 
-def test_a_design_that_is_not_in_the_file_is_refused(run_study, earlier):
-    with pytest.raises(ValueError, match=r"averaged\.designs: 'viscous' is no design"):
-        run_study("fit_coverage", earlier, **FEW, averaged={"designs": ["viscous"]})
-
-
-def test_other_designs_do_not_change_a_design(run_study, earlier, tables):
-    alone = {
-        "sets": 60,
-        "lowest_speeds_in_v_c": [1.5],
-        "noise_of_e": [0.03],
-        "averaged": {"designs": ["viscous JKR, one size, taken as exact"]},
-    }
-    fewer = run_study("fit_coverage", earlier, **alone)["fit_coverage"]
-    same = tables["fit_coverage"].query("lowest_speed_in_v_c == 1.5 and noise_of_e == 0.03")
-    assert fewer["rms_error"].to_numpy() == pytest.approx(same["rms_error"].to_numpy())
-    assert fewer["held"].tolist() == same["held"].tolist()
-
-
-def test_noise_that_hides_rebounds_is_refused(run_study, earlier):
-    with pytest.raises(ValueError, match="noise_of_e: 1 hides too many rebounds"):
-        run_study("fit_coverage", earlier, **FEW, noise_of_e=[1.0], points=8)
-
-
-def test_a_case_without_a_fit_is_refused(run_study, earlier):
-    with pytest.raises(ValueError, match="case: 'lycopodium-silicon' must be one with a fit"):
-        run_study("fit_coverage", earlier, **FEW, case="lycopodium-silicon")
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"averaged": {"designs": ["viscous"]}}, r"averaged\.designs: 'viscous' is no design"),
+        ({"noise_of_e": [1.0], "points": 8}, "noise_of_e: 1 hides too many rebounds"),
+        ({"case": "lycopodium-silicon"}, "case: 'lycopodium-silicon' must be one with a fit"),
+    ],
+)
+def test_wrong_designs_are_refused(run_study, earlier, changes, message):
+    with pytest.raises(ValueError, match=message):
+        run_study("fit_coverage", earlier, **FEW, **changes)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from matplotlib import rc_context
@@ -14,13 +16,15 @@ SPEED = 5.2  # Of its impact, m/s
 
 
 @pytest.fixture(scope="module")
-def tables(run_study, calibration, admitted):
-    force = {**calibration, "posterior_contacts": admitted("force_history", [{}] * 3)}
-    return {
-        **run_study("restitution_trends"),
-        **run_study("coulomb_friction"),
-        **run_study("force_history", force),
-    }
+def force_history(run_study, calibration, admitted):
+    """The function that runs the study of Fig. 20, its contact drawn three times beside it."""
+    inputs = {**calibration, "posterior_contacts": admitted("force_history", [{}] * 3)}
+    return partial(run_study, "force_history", inputs)
+
+
+@pytest.fixture(scope="module")
+def tables(run_study, force_history):
+    return {**run_study("restitution_trends"), **run_study("coulomb_friction"), **force_history()}
 
 
 def curve(tables, figure, series, panel=None):
@@ -146,6 +150,30 @@ def test_the_force_dips_near_both_ends_and_more_on_rebound(tables):
     turn = int(np.argmax(hertz))
     assert total[turn:].min() < total[:turn].min() < 0
     assert (damping[turn + 1 :] <= 0).all()
+
+
+def test_a_faster_sphere_is_compressed_more_and_has_no_printed_ratios(tables, force_history):
+    # adhesion over Hertz goes as one over the compression
+    faster = force_history(speed_m_per_s=10.4)
+    assert ratio(faster, "adhesion") < 0.7 * ratio(tables, "adhesion")
+    assert tables["force_ratios"]["printed"].notna().sum() == 2
+    assert faster["force_ratios"]["printed"].isna().all()
+
+
+def test_a_captured_sphere_is_drawn_too(force_history, draw):
+    captured = force_history(speed_m_per_s=0.5)
+    assert ratio(captured, "e") == 0.0
+    draw("fig20", captured)
+
+
+def test_the_band_of_one_contact_drawn_thrice_at_another_size_is_a_line(tables, force_history):
+    band = tables["fig20"].query("series == 'posterior'")
+    time, total = curve(tables, "fig20", "total")
+    for name in ("y_low", "y_uN", "y_high"):
+        own = np.interp(band["x_ns"], time, total)
+        np.testing.assert_allclose(band[name], own, atol=0.01 * total.max())
+    other = force_history(case="steel-silicon, n = 1", diameter_um=62.0, speed_m_per_s=1.66)
+    assert "posterior" not in set(other["fig20"]["series"])
 
 
 def test_settings_of_matplotlib_of_a_user_change_no_figure(draw, tables, tmp_path):

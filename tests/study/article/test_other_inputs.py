@@ -42,74 +42,49 @@ def test_printed_restitution_is_not_drawn_of_another_particle(run, settings):
     assert "printed" not in set(run("mechanisms", few)["causes"]["evidence"])
 
 
-@pytest.mark.parametrize(
-    ("study", "changes", "message"),
-    [
-        ("pile_up", {"speeds_m_per_s": [0.3, 0.2]}, "must ascend"),
-        ("pile_up", {"drawn_radius_mm": 4.0}, "must be one of"),
-        (
-            "mechanisms",
-            {"spore": {"angles_deg": [85, 45, 20, 15, 10, 5]}},
-            "angles_deg: must hold 38",
-        ),
-        (
-            "laboratory_sensitivity",
-            {"series": {"spore on Formica": {"spreads": ["exit"]}}},
-            "spreads",
-        ),
-        (
-            "campaign",
-            {"blocks": {"silicon, both sides": {"surfaces": ["silicon front"]}}},
-            r"blocks: give \d+ experiments, not 187; .* as counted: change ",
-        ),
-        ("interval_coverage", {"experiments": 1}, r"interval_coverage\.experiments: "),
-        ("interval_coverage", {"level": 1.0}, r"interval_coverage\.level: "),
-        ("interval_coverage", {"events": 1}, r"interval_coverage\.events: "),
-        (
-            "interval_coverage",
-            {"cases": dict.fromkeys(("smooth, oblique", "rough, oblique", "slow, oblique"))},
-            "one at another angle",
-        ),
-        (
-            "pair_search",
-            {"dispenser": {"lateral_position_mm": 50.0}, "particles": 2, "experiments": 2},
-            r"particles: at .* fall through the probe volume",
-        ),
-        (
-            "schematics",
-            {"wavy_surface": {"place_um": 25.0, "angle_deg": 10.0}},
-            r"wavy_surface\.place_um: 25\.0 has a slope of -20",
-        ),
-        (
-            "schematics",
-            {"wavy_surface": {"wavelength_um": 40.0, "diameter_um": 100.0}},
-            r"wavy_surface\.diameter_um: a sphere of 100\.0 um",
-        ),
-        (
-            "particle_separation",
-            {"silica_diameter_nm": [30, 10]},
-            r"silica_diameter_nm: \[30, 10\] must ascend",
-        ),
-        ("particle_separation", {"patch_share": [0.5, 1.5]}, "patch_share: 1.5 must be at most 1"),
-        (
-            "particle_separation",
-            {"compared_silica_fraction": 0.5},
-            "compared_silica_fraction: 0.5 must be at most largest",
-        ),
-        (
-            "particle_separation",
-            {"breakdown_field_V_per_um": [0.1, 1.0]},
-            "the patches would cover more",
-        ),
-        (
-            "rolling_dissipation",
-            {"angles_deg": [45.0, 90.0]},
-            r"^rolling_dissipation.angles_deg\[1\]: 90.0 must be .* 90$",
-        ),
-        ("rolling_dissipation", {"angles_deg": [45.0, 30.0]}, "must ascend"),
-        ("capture_velocities", {"pairs": {"nothing": {}}}, "'nothing' is not declared in cases"),
-    ],
-)
-def test_wrong_parameters_are_refused_by_name(run, study, changes, message):
+# A study, a key of its branch, a wrong value and what is said of it.
+WRONG = [
+    ("pile_up", "speeds_m_per_s", [0.3, 0.2], "must ascend"),
+    ("pile_up", "drawn_radius_mm", 4.0, "must be one of"),
+    ("mechanisms", "spore.angles_deg", [85, 45, 20, 15, 10, 5], "angles_deg: must hold 38"),
+    ("laboratory_sensitivity", "series.spore on Formica.spreads", ["exit"], "spreads"),
+    ("campaign", "blocks.silicon, both sides.surfaces", ["silicon front"],
+     r"blocks: give \d+ experiments, not 187; .* as counted: change "),
+    ("interval_coverage", "experiments", 1, r"interval_coverage\.experiments: "),
+    ("interval_coverage", "level", 1.0, r"interval_coverage\.level: "),
+    ("interval_coverage", "events", 1, r"interval_coverage\.events: "),
+    ("interval_coverage", "cases",
+     dict.fromkeys(("smooth, oblique", "rough, oblique", "slow, oblique")), "one at another angle"),
+    ("pair_search", "dispenser.lateral_position_mm", 1e4, r"particles: at .* fall through the pro"),
+    ("schematics", "wavy_surface", {"place_um": 25.0, "angle_deg": 10.0},
+     r"place_um: 25\.0 has a slope of -20"),
+    ("schematics", "wavy_surface.diameter_um", 200.0, r"diameter_um: a sphere of 200\.0 um"),
+    ("particle_separation", "silica_diameter_nm", [30, 10], r"\[30, 10\] must ascend"),
+    ("particle_separation", "patch_share", [0.5, 1.5], "patch_share: 1.5 must be at most 1"),
+    ("particle_separation", "compared_silica_fraction", 0.5, "0.5 must be at most largest"),
+    ("particle_separation", "breakdown_field_V_per_um", [0.1, 1.0], "patches would cover more"),
+    ("rolling_dissipation", "angles_deg", [45.0, 90.0],
+     r"^rolling_dissipation.angles_deg\[1\]: 90.0 must be .* 90$"),
+    ("rolling_dissipation", "angles_deg", [45.0, 30.0], "must ascend"),
+    ("capture_velocities", "pairs", {"nothing": {}}, "'nothing' is not declared in cases"),
+    ("oblique_experiments", "compared_series", "2 m/s", "'2 m/s' must be one of silicon front"),
+    ("oblique_experiments", "compared_with_all", ["2 m/s"], "'2 m/s' must be one of silicon front"),
+    ("oblique_experiments", "series.silicon front.figures", ["fig99"], "'fig99' must be one of fi"),
+    ("oblique_data", "external", "wall1990", r"quantity must be one of .*got 'd"),
+    ("inference", "pairs.steel-silicon.diameter_um", 50.0, "one of classes_um"),
+    ("inference", "pairs.steel-silicon.laws.ring force, n free.ranges.friction", [0.2, 0.1],
+     "friction.* must ascend"),
+    ("inference", "pairs.steel-silicon.scenarios.with the printed v_c.without", ["nothing"],
+     "'nothing' must be one of the statements"),
+    ("inference", "pairs.steel-silicon.statements.printed capture velocity.quantity", "v",
+     "quantity"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("study", "key", "value", "message"), WRONG)
+def test_wrong_parameters_are_refused_by_name(run, study, key, value, message):
+    changes = value
+    for part in reversed(key.split(".")):
+        changes = {part: changes}
     with pytest.raises(ValueError, match=message):
         run(study, changes)

@@ -7,29 +7,16 @@ import pytest
 
 
 @pytest.fixture(scope="module")
-def run_small(run_study, settings, calibration):
-    branch = settings.branches["pair_search"]
-
-    def run(**changes):
-        small = {
-            "heights_mm": [1.0, 5.0],
-            "speeds_m_per_s": [0.3, 0.5, 0.75, 1.66],
-            "experiments": 8,
-            "correction": {
-                **branch["correction"],
-                "speeds_m_per_s": [0.2, 0.5, 1.6],
-                "particles": 500,
-            },
-            "slow": {"speeds_m_per_s": [0.2, 0.3, 0.35, 0.5], "particles": 1500},
-        }
-        return run_study("pair_search", calibration, **(small | changes))
-
-    return run
-
-
-@pytest.fixture(scope="module")
-def tables(run_small):
-    return run_small()
+def tables(run_study, settings, calibration):
+    correction = settings.branches["pair_search"]["correction"]
+    small = {
+        "heights_mm": [1.0, 5.0],
+        "speeds_m_per_s": [0.3, 0.5, 0.75, 1.66],
+        "experiments": 8,
+        "correction": {**correction, "speeds_m_per_s": [0.2, 0.5, 1.6], "particles": 500},
+        "slow": {"speeds_m_per_s": [0.2, 0.3, 0.35, 0.5], "particles": 1500},
+    }
+    return run_study("pair_search", calibration, **small)
 
 
 def test_shares_and_losses_agree(tables):

@@ -82,11 +82,3 @@ def test_other_forces_by_hand(tables):
 def test_the_number_nearest_to_what_is_seen_is_preferred(at, preferred):
     numbers = pd.Series(at, index=["printed", "lower"])
     assert weighed("l", "m/s", numbers, (0.2, 0.3))["prefers"] == preferred
-
-
-def test_printed_marks_vanish_for_another_pair(run_study, inputs, tables, draw):
-    assert "printed" in set(tables["rival_restitution"]["evidence"])
-    another = {"cases": ["ammonium-fluorescein-mica"], "speeds_m_per_s": [0.005, 2.0]}
-    other = run_study("rival_explanations", inputs, **another)
-    assert "printed" not in set(other["rival_restitution"]["evidence"])
-    assert not draw("rival_restitution", other).axes[0].texts

@@ -6,8 +6,6 @@ import itertools
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgba
-from matplotlib.patches import FancyArrowPatch
 
 
 @pytest.fixture(scope="module")
@@ -36,14 +34,6 @@ def vector(table, panel, series):
     return tip - tail
 
 
-def computed_arrows(figure):
-    """Return the vectors of the arrows of the first panel that are marked as computed."""
-    patches = [p for p in figure.axes[0].patches if isinstance(p, FancyArrowPatch)]
-    blue = to_rgba("#0072B2")
-    ends = [np.array(p._posA_posB) for p in patches if p.get_edgecolor() == blue]
-    return [tip - tail for tail, tip in ends]
-
-
 def test_tracks_of_fig01_follow_the_rigid_body_model(tables, parameters):
     """At 60 deg the sphere ends rolling: V_t = 5/7 v_t, whatever f; V_n = -e v_n."""
     rebound, alpha = parameters["rebound"], np.radians(60.0)
@@ -63,18 +53,9 @@ def test_tracks_of_fig01_follow_the_rigid_body_model(tables, parameters):
     assert pitch @ target == pytest.approx(5.0 / 7.0 * np.cos(alpha))
 
 
-def test_drawn_rebound_has_the_stated_restitution_and_friction(draw, tables, parameters):
+def test_the_rebound_of_fig03_has_the_stated_restitution_and_friction(tables, parameters):
     rebound = parameters["rebound"]
-    drawn = computed_arrows(draw("fig03", tables))
-    scale = rebound["speed_m_per_s"] / max(np.hypot(*arrow) for arrow in drawn)
-
-    def shown(series):
-        wanted = vector(tables["fig03"], "impact", series)
-        return any(np.allclose(scale * arrow, wanted, atol=1e-12) for arrow in drawn)
-
     v, V = (vector(tables["fig03"], "impact", f"{leg} velocity") for leg in ("incident", "rebound"))
-    assert shown("incident velocity")
-    assert shown("rebound velocity")
     for leg, whole in (("incident", v), ("rebound", V)):
         parts = [vector(tables["fig03"], "impact", f"{leg} {p}") for p in ("tangential", "normal")]
         np.testing.assert_allclose(sum(parts), whole)
@@ -108,13 +89,6 @@ def test_momentum_and_impulses_of_fig13_add_up(tables, parameters):
     assert along[0] / normal[1] == pytest.approx(-parameters["rebound"]["friction"])
 
 
-def test_drawn_pressure_carries_the_hertz_force(tables, numbers):
-    rho, pressure = points(tables["fig19_pressure"], "stresses", "pressure").T
-    half = rho >= 0
-    force = np.trapezoid(2.0 * np.pi * rho[half] * pressure[half], rho[half])  # um2 GPa = mN
-    assert force * 1e3 == pytest.approx(numbers["hertz_force"], rel=2e-3)
-
-
 def test_contact_of_fig19_follows_hertz(tables, numbers):
     """a and p_0 from the force alone: a^3 = F r / K, p_0 = 3 F / (2 pi a^2), K by hand."""
     k = [(1 - nu**2) / (np.pi * E) for E, nu in ((1.2e9, 0.3), (325e9, 0.31))]
@@ -124,6 +98,9 @@ def test_contact_of_fig19_follows_hertz(tables, numbers):
     rho, pressure = points(tables["fig19_pressure"], "stresses", "pressure").T
     assert rho.max() * 1e-6 == pytest.approx(a, rel=1e-9)
     assert pressure.max() * 1e9 == pytest.approx(1.5 * force / (np.pi * a**2), rel=1e-9)
+    half = rho >= 0
+    carried = np.trapezoid(2.0 * np.pi * rho[half] * pressure[half], rho[half])  # um2 GPa = mN
+    assert carried * 1e3 == pytest.approx(numbers["hertz_force"], rel=2e-3)
     assert numbers["compression"] * 1e-9 == pytest.approx(a**2 / radius, rel=1e-9)
     edge = points(tables["fig19_ring"], "stresses", "ring tension")
     np.testing.assert_allclose(edge[:, 0] * 1e-6, [-a, a])

@@ -8,9 +8,11 @@ import pytest
 
 from study.declared.parameters import build
 from study.ledgers.claims import COLUMNS, LedgerError, judge, verdicts
-from study.ledgers.claims.criteria import Claim
+from study.ledgers.claims.criteria import Claim, ClaimsError
 from study.ledgers.claims.digitised import DigitisedCriteria, digitised_rows
+from study.ledgers.claims.independent import AGREES, DISAGREES, SPLIT, agreements, independent
 from study.ledgers.claims.judging import RESULT_COLUMNS
+from study.ledgers.claims.words import agreement
 from study.studies.claims import NUMBER_COLUMNS
 
 
@@ -23,7 +25,7 @@ def claim(**changes):
         "article_value": "0.7",
         "unit": "-",
         "quantities": {"e": "-", "v": "m/s"},
-        "criteria": [{"quantity": "e", "test": "within", "value": 0.7, "tolerance": 0.05}],
+        "criteria": {"e": {"within": [0.7, 0.05]}},
         "reason": "because",
         "break": {"change": "x", "expect": "not reproduced"},
     }
@@ -57,7 +59,7 @@ TWO = {"cases": ["a", "b"]}
 
 
 def condition(bound):
-    return {"identified_if": [{"quantity": "v", "test": "at_least", "value": bound}]}
+    return {"identified_if": {"v": {"at_least": bound}}}
 
 
 @pytest.mark.parametrize(
@@ -97,10 +99,7 @@ def test_a_bound_that_the_error_covers_is_not_decided(values, expected, margin):
 
 
 def test_the_worst_criterion_of_a_case_gives_its_margin_and_exact_numbers_none():
-    criteria = [
-        {"quantity": "e", "test": "at_least", "value": 0.5},
-        {"quantity": "v", "test": "at_most", "value": 0.5},
-    ]
+    criteria = {"e": {"at_least": 0.5}, "v": {"at_most": 0.5}}
     rows = [("C01", "", "e", 0.51, 0.01), ("C01", "", "v", 1.0, 0.1)]
     assert ledger_of(rows, criteria=criteria)[0]["margin"] == pytest.approx(-5.0)
     assert np.isnan(ledger_of(GOOD)[0]["margin"])
@@ -157,7 +156,7 @@ C01:
   article_value: "0.7"
   unit: "-"
   quantities: {e: "-"}
-  criteria: [{quantity: e, test: at_least, value: 0.5}]
+  criteria: {e: {at_least: 0.5}}
   reason: r
   external: [falls]
   break: {change: x, expect: not reproduced}
@@ -256,3 +255,38 @@ def test_every_series_of_points_has_one_row_and_no_points_have_none():
 def test_a_figure_without_a_bound_is_named():
     with pytest.raises(ValueError, match=r"digitised\.rms_difference: fig18 has no bound"):
         digitised_rows(POINTS, residuals(BARE | {"figure": "fig18"}))
+
+
+# Facts found by others
+
+FACTS = pd.DataFrame(
+    [
+        ("falls with size", "a", AGREES),
+        ("falls with size", "b", DISAGREES),
+        ("no target", "a", AGREES),
+        ("half is lost", "b", DISAGREES),
+        ("never computed", "b", "not computed"),
+    ],
+    columns=["fact", "contact", "agreement"],
+)
+
+
+@pytest.mark.parametrize(
+    ("facts", "expected", "words"),
+    [
+        (["no target"], AGREES, ["no target: yes for a"]),
+        (["half is lost"], DISAGREES, ["half is lost: no for b"]),
+        (["falls with size"], SPLIT, ["falls with size: yes for a; no for b"]),
+        (["never computed"], None, []),
+        ([], None, []),
+    ],
+)
+def test_what_independent_data_say(facts, expected, words):
+    evidence = independent({"C01": claim(external=facts)}, FACTS)
+    assert agreements(evidence).get("C01") == expected
+    assert list(map(agreement, evidence.to_dict("records"))) == words
+
+
+def test_a_fact_that_nobody_found_is_refused():
+    with pytest.raises(ClaimsError, match=r"C01.external: 'no targt' .* 'no target'"):
+        independent({"C01": claim(external=["no targt"])}, FACTS)

@@ -188,13 +188,6 @@ def test_exact_relations_between_the_equations(case):
     assert np.ptp([evaluate(text, {"e": 4 / 7, "phi": 0.1}) for text in both]) < 1e-15
 
 
-def test_errata_name_place_words_and_reason(tables):
-    found = judge(tables)["errata"]
-    assert (found != "").all().all()
-    assert set(found["kind"]) == {"word", "citation", "label"}
-    assert not found.duplicated("printed").any()
-
-
 def test_other_materials_change_numbers_and_no_verdict(tables, ledger):
     soft = tables["materials"].assign(value=lambda t: t["value"].astype(object))
     chosen = (soft["material"] == "silicon") & (soft["property"] == "youngs_modulus")

@@ -82,10 +82,6 @@ def test_a_law_without_numbers_is_named():
     assert both["C01"].in_words().endswith("none by n = 0: the numbers are of the ring force")
 
 
-def test_few_draws_decide_nothing():
-    assert judged("reproduced", share_of(with_share(20)).intervals) == "undecided"
-
-
 @pytest.mark.parametrize(
     ("met", "rest", "expected", "by"),
     [
@@ -103,23 +99,14 @@ def test_a_class_that_changes_is_not_identified_and_says_by_what(met, rest, expe
     assert share.decided_by == by
 
 
-def test_shares_are_told_with_their_intervals():
-    both = share_of(with_share(400, 400), with_share(200, 400, scenario="without"))
-    assert both.in_words() == "100 % (99 to 100) with; 50 % (45 to 55) without"
+BASIS = {"friction_basis": ["net"] * 200 + ["hertz"] * 200}
 
 
-@pytest.mark.parametrize("name", NUMBERS)
-def test_what_decides_is_the_parameter_that_differs_most(name):
-    order = np.arange(400) if name != "friction" else -np.arange(400.0)
-    found = share_of(with_share(200, 400), **{name: order})
+@pytest.mark.parametrize("columns", [*({name: np.arange(400)} for name in NUMBERS), BASIS])
+def test_what_decides_is_the_parameter_that_differs_most(columns):
+    (name,) = columns
     words = name.removesuffix("_J_per_m2").removesuffix("_s_per_m").replace("_", " ")
-    assert found.decided_by == f"{words} (1.00)"
-
-
-def test_a_basis_of_friction_can_decide():
-    basis = {"friction_basis": ["net"] * 200 + ["hertz"] * 200}
-    found = share_of(with_share(200, 400), **basis)
-    assert found.decided_by == "friction basis (1.00)"
+    assert share_of(with_share(200, 400), **columns).decided_by == f"{words} (1.00)"
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from study.ledgers.claims.judging import (
     verdict,
 )
 from study.ledgers.claims.shares import GROUPS, Share, shares
-from study.ledgers.claims.words import bounds, computed_values, failing, sentence
+from study.ledgers.claims.words import bounds, computed_values, fails, sentence
 from study.tables import NOT_COMPUTED, Row
 
 # Loaded where a ledger is judged: the pages, which read it as text, do without.
@@ -169,9 +169,8 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
     computed = numbers[numbers["problem"] == ""]
     lacking = numbers[numbers["problem"] != ""]
     labels = claim.labels
-    criteria = (*claim.identified_if, *claim.criteria)
-    rows = results(computed, criteria, labels, claim.units)
-    failed = list(map(sentence, failing(rows)))
+    rows = results(computed, claim.tests, labels, claim.units)
+    failed = [sentence(row) for row in rows if fails(row)]
     if not claim.testable:
         decision, margin = "not testable", math.nan
     elif len(lacking):
@@ -192,7 +191,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         "quote": claim.quote,
         "statement": claim.statement,
         "kind": claim.kind,
-        "criterion": "; ".join(f"{labels[c.quantity]} {bounds(c.row)}" for c in claim.criteria),
+        "criterion": "; ".join(f"{labels[n]} {bounds(c.row)}" for n, c in claim.criteria.items()),
         "article_value": claim.article_value,
         "computed_value": computed_values(rows),
         "unit": claim.unit,
@@ -218,7 +217,7 @@ def _decision(claim: Claim, numbers: pd.DataFrame) -> tuple[str, float]:
         numbers.pivot(index="case", columns="quantity", values=column)
         for column in ("value", "error")
     )
-    margin = margins((*claim.identified_if, *claim.criteria), values, errors)
+    margin = margins(claim.tests, values, errors)
     if claim.identified_if and np.any(margins(claim.identified_if, values) < 0.0):
         return "not identified", nearest_margin(margin)
     return verdict(claim.if_met, margins(claim.criteria, values, errors)), nearest_margin(margin)

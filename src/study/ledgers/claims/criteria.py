@@ -28,7 +28,6 @@ CLAIM_NAME = r"^C\d{2,3}$"
 DIGITISED = "digitised"
 
 Kind = Literal["model", "virtual experiment", "arithmetic", "contradiction", "finding"]
-Test = Literal["within", "at_least", "at_most", "between", "outside"]
 Verdict = Literal[
     "reproduced",
     "reproduced with a correction",
@@ -57,15 +56,6 @@ UNCOUNTED: tuple[Kind, ...] = ("arithmetic", "finding")
 # What a claim gets if all its criteria hold: a property of the claim, not of the result.
 Positive = Literal["reproduced", "reproduced with a correction", "calibrated"]
 
-# Bounds that each test takes.
-BOUNDS: Mapping[Test, tuple[str, ...]] = {
-    "within": ("value", "tolerance"),
-    "at_least": ("value",),
-    "at_most": ("value",),
-    "between": ("low", "high"),
-    "outside": ("low", "high"),
-}
-
 
 class ClaimsError(ValueError):
     """A file of claims with problems: one line each, beginning with the dotted key."""
@@ -73,64 +63,50 @@ class ClaimsError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Criterion:
-    """A test of one quantity; which bounds it takes is laid down in `BOUNDS`."""
+    """Bounds of a number, which are accepted themselves: one end or both, or a tolerance."""
 
-    quantity: QuantityName
-    test: Test
-    value: Finite | None = None
-    tolerance: NonNegative | None = None
-    low: Finite | None = None
-    high: Finite | None = None
+    at_least: Finite | None = None
+    at_most: Finite | None = None
+    within: tuple[Finite, NonNegative] | None = None  # A value, and how far from it
 
     def __post_init__(self) -> None:
-        """Refuse bounds that the test lacks or does not take, and an empty range."""
-        wanted = BOUNDS[self.test]
-        for name in ("value", "tolerance", "low", "high"):
-            present = getattr(self, name) is not None
-            if present != (name in wanted):
-                has = "does not take" if present else "needs"
-                raise ValueError(f"{self.test} {has} '{name}' (it takes {' and '.join(wanted)})")
-        if self.low is not None and self.high is not None and self.low >= self.high:
-            raise ValueError(f"low {self.low} must be below high {self.high}")
+        """Refuse no bound, an empty range, and ends beside a tolerance."""
+        ends = [end for end in (self.at_least, self.at_most) if end is not None]
+        if bool(ends) == bool(self.within):
+            raise ValueError("needs at_least, at_most or both, or within alone")
+        if len(ends) == 2 and ends[0] >= ends[1]:
+            raise ValueError(f"at_least {ends[0]} must be below at_most {ends[1]}")
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Ends of the interval that is accepted, or by `outside` refused, maybe infinite."""
-        if self.low is not None and self.high is not None:
-            return self.low, self.high
-        centre = Decimal(repr(self.value))
-        if self.test == "within":
+        """Ends of the interval that is accepted, maybe infinite."""
+        if self.within:
             # Decimal, so that 0.705 lies on the boundary of 0.70 +- 0.005.
-            reach = Decimal(repr(self.tolerance))
+            centre, reach = (Decimal(repr(number)) for number in self.within)
             return float(centre - reach), float(centre + reach)
-        bound = float(centre)
-        return (bound, math.inf) if self.test == "at_least" else (-math.inf, bound)
+        low, high = self.at_least, self.at_most
+        return -math.inf if low is None else low, math.inf if high is None else high
 
     @property
     def row(self) -> dict[str, object]:
         """Test and ends in the columns of the table of results, nan for an infinite end."""
-        ends = (end if math.isfinite(end) else math.nan for end in self.interval)
-        return {"test": self.test, **dict(zip(("low", "high"), ends, strict=True))}
+        low, high = (end if math.isfinite(end) else math.nan for end in self.interval)
+        one_end = "at_most" if math.isnan(low) else "at_least"
+        both = "within" if self.within else "between"
+        return {"test": one_end if math.isnan(low + high) else both, "low": low, "high": high}
 
     def distance(self, value: Real) -> FloatArray:
-        """Return the distance of numbers to the nearest bound, negative where they fail.
-
-        Boundaries belong to the accepted side, and are those of the decimal numbers as written:
-        `within` accepts ``value - tolerance <= x <= value + tolerance``, `at_least` ``x >= value``,
-        `at_most` ``x <= value``, `between` ``low <= x <= high``, and `outside` ``x <= low`` or
-        ``x >= high``.
-        """
+        """Return the distance of numbers to the nearest bound, negative where they fail."""
         low, high = self.interval
-        inside = np.minimum(value - low, high - value)
-        return np.asarray(-inside if self.test == "outside" else inside)
+        return np.minimum(value - low, high - value)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """A number to compute: its unit, ``-`` for none, and its label."""
+    """A number to compute: its label, and its unit, ``-`` for none."""
 
-    unit: Name
     label: Name
+    unit: Name = "-"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,7 +158,7 @@ class Claim:
     quantities
         Numbers to compute: units, or units and labels where the name does not say all.
     criteria
-        All must hold; none if nothing was published to test.
+        By quantity. All must hold; none if nothing was published to test.
     reason
         Why these bounds decide.
     if_met
@@ -213,11 +189,11 @@ class Claim:
     article_value: Name
     unit: Name = "-"
     quantities: dict[QuantityName, Name | Quantity] = field(default_factory=dict)
-    criteria: tuple[Criterion, ...] = ()
+    criteria: dict[QuantityName, Criterion] = field(default_factory=dict)
     reason: Name
     if_met: Positive = "reproduced"
     cases: tuple[Name, ...] = ()
-    identified_if: tuple[Criterion, ...] = ()
+    identified_if: dict[QuantityName, Criterion] = field(default_factory=dict)
     with_: Annotated[dict[str, Any], Field(alias="with")] = field(default_factory=dict)
     figures: tuple[FigureName, ...] = ()
     equations: tuple[EquationNumber, ...] = ()
@@ -227,8 +203,8 @@ class Claim:
 
     def __post_init__(self) -> None:
         """Refuse a claim whose parts do not fit together."""
-        for criterion in (*self.criteria, *self.identified_if):
-            if (name := criterion.quantity) not in self.quantities:
+        for name in self.tests:
+            if name not in self.quantities:
                 known = nearest(name, self.quantities)
                 raise ValueError(f"'{name}' is not among the quantities{known}")
         if len(self.cases) == 1:
@@ -238,6 +214,11 @@ class Claim:
         if self.break_ and self.break_.expect not in self.verdicts:
             expected = f"'{self.break_.expect}', which is not among the verdicts"
             raise ValueError(f"break expects {expected}: {', '.join(self.verdicts)}")
+
+    @property
+    def tests(self) -> dict[str, Criterion]:
+        """All criteria by quantity, those first without which nothing is identified."""
+        return {**self.identified_if, **self.criteria}
 
     @property
     def testable(self) -> bool:

@@ -13,7 +13,7 @@ from study.declared.documents import load
 from study.declared.parameters import Name, Positive, build, explain
 from study.ledgers.claims.criteria import DIGITISED, ClaimsError, Criterion, FigureName
 from study.ledgers.claims.judging import margins, results, verdict
-from study.ledgers.claims.words import bounds, computed_values, failing, sentence
+from study.ledgers.claims.words import bounds, computed_values, fails, sentence
 from study.tables import Row
 
 if TYPE_CHECKING:
@@ -77,18 +77,18 @@ def _judged(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> tuple[Row, 
     number = figure.removeprefix("fig")
     name = f"D{number}-{panel}-{points}"
     deciding = _deciding(residuals)
-    criterion = _criterion(criteria, figure, deciding)
+    quantity, criterion = _criterion(criteria, figure, deciding)
     unit = str(residuals["unit"].iloc[0]).replace("1", "-")
     units = {"rms_difference": unit, "normalised_rms": "-", "bias": unit}
     labels = {quantity: quantity.replace("_", " ") for quantity in units}
     numbers = deciding.melt("series", [*units], "quantity").dropna(subset="value")
     numbers = numbers.rename(columns={"series": "case"}).assign(error=math.nan)
-    rows = results(numbers, [criterion], labels, units)
+    rows = results(numbers, {quantity: criterion}, labels, units)
     if deciding.empty:
         finding, note = "not testable", "No point lies where a series is computed"
     else:
-        finding = verdict("reproduced", margins([criterion], deciding))
-        note = "; ".join(map(sentence, failing(rows))) or criteria.reason
+        finding = verdict("reproduced", margins({quantity: criterion}, deciding))
+        note = "; ".join(sentence(row) for row in rows if fails(row)) or criteria.reason
         if beyond := int(residuals["beyond"].max()):
             note += f" Not judged: {beyond} points beyond a curve."
     row: Row = {
@@ -98,7 +98,7 @@ def _judged(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> tuple[Row, 
         f" Fig. {int(number)}, series {points}, agree with"
         " the computed curve within the criterion.",
         "kind": "digitised",
-        "criterion": f"{labels[criterion.quantity]} {bounds(criterion.row)}",
+        "criterion": f"{labels[quantity]} {bounds(criterion.row)}",
         "article_value": f"{int(residuals[['n', 'beyond']].iloc[0].sum())} points",
         "computed_value": computed_values(rows),
         "unit": unit,
@@ -121,11 +121,15 @@ def _deciding(residuals: pd.DataFrame) -> pd.DataFrame:
     return within if named.empty else named
 
 
-def _criterion(criteria: DigitisedCriteria, figure: str, deciding: pd.DataFrame) -> Criterion:
-    """Return the criterion for points with error bars if all have one, else the figure's."""
+def _criterion(
+    criteria: DigitisedCriteria, figure: str, deciding: pd.DataFrame
+) -> tuple[str, Criterion]:
+    """Return quantity and criterion: of points with error bars if all have one, else the figure's.
+
+    Raises ValueError if the figure has none.
+    """
     if len(deciding) and (deciding["bars"] == deciding["n"]).all():
-        return Criterion(quantity="normalised_rms", test="at_most", value=criteria.normalised_rms)
+        return "normalised_rms", Criterion(at_most=criteria.normalised_rms)
     if figure not in criteria.rms_difference:
         raise ValueError(f"digitised.rms_difference: {figure} has no bound")
-    bound = criteria.rms_difference[figure]
-    return Criterion(quantity="rms_difference", test="at_most", value=bound)
+    return "rms_difference", Criterion(at_most=criteria.rms_difference[figure])

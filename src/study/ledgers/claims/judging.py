@@ -34,14 +34,14 @@ COVERED = 1.96
 
 
 def margins(
-    criteria: Iterable[Criterion], values: pd.DataFrame, errors: pd.DataFrame | None = None
+    criteria: Mapping[str, Criterion], values: pd.DataFrame, errors: pd.DataFrame | None = None
 ) -> FloatArray:
     """Return the distance of the worst number of each alternative from its bound.
 
     Parameters
     ----------
     criteria
-        At least one.
+        By quantity; at least one.
     values, errors
         Numbers, and the standard errors of those that have some: a row per alternative, a column
         per quantity.
@@ -52,17 +52,15 @@ def margins(
         Shape (alternatives,), in standard errors; negative where a criterion fails, and infinite
         where the number that decides has no error.
     """
-
-    def margin(criterion: Criterion) -> FloatArray:
-        distance = criterion.distance(values[criterion.quantity].to_numpy(float))
-        exact = np.where(distance >= 0.0, np.inf, -np.inf)
-        if errors is None:
-            return exact
-        error = errors[criterion.quantity].to_numpy(float)
-        errors_away: FloatArray = np.divide(distance, error, out=exact, where=error > 0.0)
-        return errors_away
-
-    return np.asarray(np.min([margin(criterion) for criterion in criteria], axis=0))
+    each = []
+    for name, criterion in criteria.items():
+        distance = criterion.distance(values[name].to_numpy(float))
+        margin = np.where(distance >= 0.0, np.inf, -np.inf)
+        if errors is not None:
+            error = errors[name].to_numpy(float)
+            np.divide(distance, error, out=margin, where=error > 0.0)
+        each.append(margin)
+    return np.asarray(np.min(each, axis=0))
 
 
 def verdict(positive: Verdict, margin: FloatArray) -> Finding:
@@ -96,7 +94,7 @@ def nearest_margin(margin: FloatArray) -> float:
 
 def results(
     numbers: pd.DataFrame,
-    criteria: Iterable[Criterion],
+    criteria: Mapping[str, Criterion],
     labels: Mapping[str, str],
     units: Mapping[str, str],
 ) -> list[Row]:
@@ -106,21 +104,15 @@ def results(
     ----------
     numbers
         Table with `NUMBER`, columns of a number.
-    criteria
-        Tests of the quantities; a number has a row for each of its tests.
-    labels, units
-        By quantity.
+    criteria, labels, units
+        By quantity; not all are tested.
     """
-    tests: dict[str, list[Criterion]] = {}
-    for criterion in criteria:
-        tests.setdefault(criterion.quantity, []).append(criterion)
-    rows: list[Row] = []
+    rows = []
     for number in numbers[[*NUMBER]].itertuples(index=False):
         row: dict[str, Any] = dict(zip(NUMBER, number, strict=True))
-        row |= {"label": labels[row["quantity"]], "unit": units[row["quantity"]]}
-        for criterion in tests.get(row["quantity"], []):
-            passed = bool(criterion.distance(row["value"]) >= 0.0)
-            rows.append(row | criterion.row | {"passed": passed})
-        if row["quantity"] not in tests:
-            rows.append(row | UNTESTED)
+        name = row["quantity"]
+        row |= {"label": labels[name], "unit": units[name]} | UNTESTED
+        if criterion := criteria.get(name):
+            row |= criterion.row | {"passed": bool(criterion.distance(row["value"]) >= 0.0)}
+        rows.append(row)
     return rows

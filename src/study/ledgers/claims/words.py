@@ -92,8 +92,8 @@ def bounds(result: Row) -> str:
     test = result["test"]
     if not isinstance(test, str) or not test:
         return ""
-    if test in {"between", "outside"}:
-        return f"{test} {float(result['low']):g} and {float(result['high']):g}"
+    if test == "between":
+        return f"between {float(result['low']):g} and {float(result['high']):g}"
     if test != "within":
         return (
             f"{test.replace('_', ' ')} {float(result['low' if test == 'at_least' else 'high']):g}"
@@ -106,11 +106,6 @@ def bounds(result: Row) -> str:
 def fails(result: Row) -> bool:
     """Tell whether a number fails its test."""
     return str(result["passed"]) == "False"
-
-
-def failing(results: Iterable[Row]) -> list[Row]:
-    """Return the results that fail their tests."""
-    return [row for row in results if fails(row)]
 
 
 def number(result: Row) -> str:
@@ -135,19 +130,14 @@ def quantities(results: Iterable[Row]) -> list[Quantity]:
     by_name: dict[str, list[Row]] = {}
     for row in results:
         by_name.setdefault(row["quantity"], []).append(row)
-    table = []
-    for rows in by_name.values():
-        cells: dict[str, tuple[str, bool]] = {}
-        for row in rows:
-            if row["case"] not in cells or fails(row):
-                cells[row["case"]] = number(row), fails(row)
-        table.append(
-            Quantity(
-                label=rows[0]["label"],
-                bounds="; ".join(filter(None, dict.fromkeys(map(bounds, rows)))),
-                cells=tuple((case, *cell) for case, cell in cells.items()),
-            )
+    table = [
+        Quantity(
+            label=rows[0]["label"],
+            bounds=bounds(rows[0]),
+            cells=tuple((row["case"], number(row), fails(row)) for row in rows),
         )
+        for rows in by_name.values()
+    ]
     return sorted(table, key=lambda quantity: not quantity.bounds)
 
 

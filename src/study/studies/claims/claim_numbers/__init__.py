@@ -1,13 +1,22 @@
 """Numbers behind the claims of the article, by section; the claims ledger judges them.
 
 One function per claim, named after it; its docstring says what is computed. What the article
-states, and the criteria, are in ``config/claims.yaml``.
+states, and the criteria, are in ``config/claims.yaml``; so are, under ``with``, the settings that
+are the function's keyword arguments.
+
+Arguments of all other functions: ``context``, the contact, settings and tables of one case;
+``dropped``, particles of a speed class on their surface; ``quantity``, the name of a mean,
+``restitution``, ``impulse_ratio`` or ``energy_loss``; angles of incidence in degrees, those of a
+trend from steep to shallow. All else is in SI units unless its name or docstring has a unit.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from microimpact.core.nearest import nearest
@@ -15,7 +24,6 @@ from study.studies.claims import NUMBER_COLUMNS
 from study.studies.claims.claim_numbers import (
     conclusions,
     designs,
-    draws,
     dynamics,
     empirical,
     experiments,
@@ -24,9 +32,9 @@ from study.studies.claims.claim_numbers import (
     roughness,
     spores,
 )
-from study.studies.claims.claim_numbers.claim import CLAIMS, ascending, params, rows
-from study.studies.claims.claim_numbers.context import Context
-from study.studies.claims.claim_numbers.params import Common
+from study.studies.claims.claim_numbers.claim import CLAIMS, ascending, flat, params, rows
+from study.studies.claims.claim_numbers.context import Common, Context
+from study.studies.contacts import posterior_contact, posterior_rows
 from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Tables, reason
 
 __all__ = ["CLAIMS", "SECTIONS", "Params", "numbers_of", "run"]
@@ -63,6 +71,12 @@ PRINTED_VALUES = (
     "normal_speed_lycopodium_48deg",
     "normal_speed_lycopodium_38deg",
 )
+
+# Of a drawn contact, and of its numbers.
+DRAW = ("contact", "scenario", "law", "draw")
+DRAW_COLUMNS = ("claim", *DRAW, "alternative", "quantity", "value")
+# Laws other than the ring force are integrated point by point: of their draws every so many count.
+SPARSE = 3
 
 # Modules in the order of the article; each registers the claims of its sections.
 SECTIONS = (
@@ -106,7 +120,7 @@ def run(params: Common, inputs: Tables) -> Tables:
     try:
         drawn = draws_of(params, inputs)
     except UNCOMPUTABLE as error:  # these claims are not judged by their calibrated cases instead
-        drawn = pd.DataFrame(columns=list(draws.COLUMNS))
+        drawn = pd.DataFrame(columns=list(DRAW_COLUMNS))
         row = {"quantity": NOT_COMPUTED, "problem": reason("claim_draws", error)}
         numbers += [{"claim": name, **row} for name in ascending() if CLAIMS[name].by_contact]
     return {
@@ -118,11 +132,58 @@ def run(params: Common, inputs: Tables) -> Tables:
 def draws_of(params: Common, inputs: Tables, *claims: str) -> pd.DataFrame:
     """Return the numbers of the claims that drawn contacts decide, for every draw.
 
-    Of `claims` alone, if some are named. Of the tables, only ``calibration`` and
-    ``posterior_contacts`` are read.
+    Contacts are drawn by the printed statements, in scenarios and by all laws that a scenario does
+    not exclude. Friction and its basis are those of the draw, all else as for the calibrated cases.
+    A claim that cannot be computed with a draw has no row, as those about the ring force with other
+    laws.
+
+    Parameters
+    ----------
+    params, inputs
+        As in `run`; of the tables, ``calibration`` and ``posterior_contacts`` are read.
+    *claims
+        Such as ``C58``; all, if none are named.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Rows with `DRAW_COLUMNS`, in the order of claims and draws.
     """
-    wanted = claims or [name for name in ascending() if CLAIMS[name].by_contact]
-    return draws.numbers_of_draws(params, inputs, wanted)
+    wanted = claims or tuple(name for name in ascending() if CLAIMS[name].by_contact)
+    drawn = pd.concat(
+        [posterior_rows(inputs, params.draws.case, each) for each in params.draws.scenarios],
+        ignore_index=True,
+    )
+    drawn = drawn[(drawn["contact_law"] == "ring force") | (drawn["draw"] % SPARSE == 0)]
+    groups = [rows for _, rows in drawn.groupby(["contact_law", "friction_basis"])]
+    parts = [part for name in wanted for rows in groups for part in _of(name, params, inputs, rows)]
+    if not parts:
+        return pd.DataFrame(columns=list(DRAW_COLUMNS))
+    table = pd.concat(parts)
+    # In the order of the draws within a claim, whatever the law and the basis of friction.
+    order = {name: number for number, name in enumerate(wanted)}
+    table = table.assign(order=table["claim"].map(order)).reset_index(names="row")
+    return table.sort_values(["order", "row"], kind="stable")[list(DRAW_COLUMNS)]
+
+
+def _of(name: str, params: Common, inputs: Tables, rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
+    """Yield the numbers of each quantity of a claim, for draws of one law and basis of friction."""
+    basis = rows["friction_basis"].iloc[0]
+    context = Context(
+        params=replace(params, steel=replace(params.steel, friction_basis=basis)),
+        inputs=inputs,
+        case=params.steel.cases[0],
+        contacts=posterior_contact(inputs, rows),
+    )
+    try:
+        numbers = list(flat(CLAIMS[name].numbers(context), ""))
+    except UNCOMPUTABLE:
+        return
+    values = [np.broadcast_to(value, len(rows)) for *_, value in numbers]
+    known = np.all(np.isfinite(values), axis=0)
+    draws = rows.rename(columns={"case": "contact"})[list(DRAW)].assign(claim=name)
+    for (alternative, quantity, _), value in zip(numbers, values, strict=True):
+        yield draws.assign(alternative=alternative, quantity=quantity, value=value)[known]
 
 
 def numbers_of(claim: str, params: Common, inputs: Tables) -> pd.DataFrame:

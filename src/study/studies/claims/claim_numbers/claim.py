@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, make_dataclass, replace
 from typing import Any, get_type_hints
 
-from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers
-from study.studies.claims.claim_numbers.params import Common
+from study.studies.claims.claim_numbers.context import Common, Context, Estimate, Numbers
 from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Row, reason
 
 Function = Callable[..., Numbers]
@@ -107,19 +106,15 @@ def rows(name: str, context: Context) -> Iterator[Row]:
     for each in context.cases() if entry.by_case else (context,):
         try:
             numbers = entry.numbers(each.stacked() if entry.by_contact else each)
-            results = [finite(*number) for number in flat(numbers, each.case)]
+            results = [
+                {"case": case, "quantity": name, **finite(name, number)._asdict(), "problem": ""}
+                for case, name, number in flat(numbers, each.case)
+            ]
         except UNCOMPUTABLE as error:
             why = reason(type(error).__name__, error)
-            results = [(each.case, NOT_COMPUTED, Estimate(math.nan, math.nan), why)]
-        for case, quantity, number, problem in results:
-            yield row | {
-                "case": case,
-                "quantity": quantity,
-                "value": number.value,
-                "error": number.error,
-                "inputs": " ".join(sorted(read.names)),
-                "problem": problem,
-            }
+            results = [{"case": each.case, "quantity": NOT_COMPUTED, "problem": why}]
+        for result in results:
+            yield row | result | {"inputs": " ".join(sorted(read.names))}
 
 
 def flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, Any]]:
@@ -131,8 +126,8 @@ def flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, Any]]:
             yield case, name, number
 
 
-def finite(case: str, quantity: str, number: Any) -> tuple[str, str, Estimate, str]:
-    """Return case, quantity, number and problem (none).
+def finite(quantity: str, number: Any) -> Estimate:
+    """Return a number and its error, nan if there is none.
 
     Raises ArithmeticError if the number is not finite.
     """
@@ -140,4 +135,4 @@ def finite(case: str, quantity: str, number: Any) -> tuple[str, str, Estimate, s
     value = float(value.item()) if hasattr(value, "item") else float(value)
     if not math.isfinite(value):
         raise ArithmeticError(f"{quantity} = {value} is not a finite number")
-    return case, quantity, Estimate(value, float(error)), ""
+    return Estimate(value, float(error))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.solve import threshold
 from microimpact.lab.experiment import Target
-from microimpact.lab.surface import Rebound, rough
+from microimpact.lab.surface import rough
 from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, plastic_restitution, yield_velocity
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -113,23 +111,34 @@ def c98(
     angle_deg: AngleDegrees,
     slope_sd: NonNegative,
     spheres: Count,
-    shift_nm: Positive,
-    spot_mm: Positive,
 ) -> Numbers:
-    """Normal speeds of capture without slopes, and where half are captured with them."""
+    """Normal speeds of capture without slopes, and where half are captured with them.
+
+    Identical spheres meet slopes; the same ones at every speed.
+    """
     contact = context.steel
     *speeds, upright = decoupled_speeds(contact, np.array([*DECOUPLED_DEG, 90.0]))
-    slopes = Slopes(context=context, contact=contact, sd=slope_sd, spheres=spheres)
-    apparent, steep = (slopes.apparent_speed(angle) for angle in (angle_deg, 90.0))
-    apart = np.max(np.abs(np.array(speeds) / upright - 1.0))
-    rebound = slopes.hit(angle_deg, apparent)
-    along = np.hypot(rebound.velocity[:, 0], rebound.velocity[:, 1])
-    distance = rolling_distance(contact, along, shift_nm * 1e-9, 90.0 - angle_deg) * 1e3
-    rolls = rebound.captured & (distance > spot_mm)
+    target = Target(contact=contact, surface=rough(slope_sd))
+    limit = float(capture_velocity(contact))
+    diameter = np.full(spheres, contact.diameter)
+
+    def apparent_speed(angle: float) -> float:
+        """Return the nominal normal speed below which more than half the spheres stay."""
+
+        def half_leave(speed: float) -> bool:
+            into, along = velocity_components(speed / np.sin(np.radians(angle)), angle)
+            velocity = np.tile([along, 0.0, into], (spheres, 1))
+            rng = generator(context.params.sampling.seed, ANALYSIS)
+            rebound = target.hit(diameter, velocity, np.zeros_like(velocity), rng)
+            return float(np.mean(rebound.captured)) <= 0.5
+
+        return threshold(half_leave, 0.02 * limit, 3.0 * limit, absolute=APPARENT * limit)
+
     return {
-        "largest_difference_of_normal_capture_speeds_over_angles": apart,
-        "ratio_of_apparent_capture_speeds": apparent / steep,
-        "share_that_rolls_away_or_bounces_again": np.mean(rolls | (rebound.contacts > 1)),
+        "largest_difference_of_normal_capture_speeds_over_angles": np.max(
+            np.abs(np.array(speeds) / upright - 1.0)
+        ),
+        "ratio_of_apparent_capture_speeds": apparent_speed(angle_deg) / apparent_speed(90.0),
     }
 
 
@@ -143,31 +152,3 @@ def decoupled_speeds(contact: Contact, angle: FloatArray) -> FloatArray:
         return ~planar(contact, -speed, speed * along / -into).captured
 
     return threshold(leaves, low, high)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Slopes:
-    """Impacts of identical spheres on slopes."""
-
-    context: Context
-    contact: Contact
-    sd: float  # Standard deviation of the slopes
-    spheres: int
-
-    def hit(self, angle: float, normal_speed: float) -> Rebound:
-        """Return rebounds at an angle in degrees; the same facets at every speed (m/s)."""
-        into, along = velocity_components(normal_speed / np.sin(np.radians(angle)), angle)
-        velocity = np.tile([along, 0.0, into], (self.spheres, 1))
-        target = Target(contact=self.contact, surface=rough(self.sd))
-        diameter = np.full(self.spheres, self.contact.diameter)
-        rng = generator(self.context.params.sampling.seed, ANALYSIS)
-        return target.hit(diameter, velocity, np.zeros_like(velocity), rng)
-
-    def apparent_speed(self, angle: float) -> float:
-        """Return the nominal normal speed below which more than half the spheres stay."""
-
-        def half_leave(speed: float) -> bool:
-            return float(np.mean(self.hit(angle, speed).captured)) <= 0.5
-
-        limit = float(capture_velocity(self.contact))
-        return threshold(half_leave, 0.02 * limit, 3.0 * limit, absolute=APPARENT * limit)

@@ -1,21 +1,34 @@
-"""Inputs shared by the functions of the claims: settings, contacts, samples and tables."""
+"""Settings, contacts, samples and tables that the functions of the claims share."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
+from pydantic import AfterValidator, Field
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real
 from microimpact.lab.dispenser import NO_SPIN
+from microimpact.lab.pdpa.analyser import Analyser
+from microimpact.lab.ptis.system import ImagingSystem
+from microimpact.model.choices import FrictionBasis
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, simulate
-from study.studies.claims.claim_numbers.params import Common
+from study.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    Count,
+    Finite,
+    Fraction,
+    InferredName,
+    Positive,
+    ScenarioName,
+)
 from study.studies.contacts import all_printed, calibrated_contact
 from study.studies.samples import Dropped, Sample, Sampling, Seen, contact_of, half_width
 from study.tables import NotComputedError
@@ -24,6 +37,58 @@ from study.tables import NotComputedError
 # of its own.
 Numbers = Mapping[str, Any]
 Number = float | np.floating[Any]
+
+
+def _descending(angles: tuple[float, float]) -> tuple[float, float]:
+    """Refuse angles that do not run from a steep one to a shallow one."""
+    steep, shallow = angles
+    if steep <= shallow:
+        raise ValueError(f"[{steep:g}, {shallow:g}] must descend")
+    return angles
+
+
+Angles = Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
+AngleRange = tuple[AngleDegrees, AngleDegrees]
+SteepToShallow = Annotated[AngleRange, AfterValidator(_descending)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Steel:
+    """Steel on silicon, and the impact that a claim means unless it says otherwise."""
+
+    # Calibrated cases of the pair, between which the published facts leave the choice open.
+    cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
+    # Spin as r omega over v; restitution as printed.
+    diameter_um: Positive
+    speed_m_per_s: Positive
+    restitution: Fraction
+    friction: Fraction
+    spin_ratio: Finite
+    friction_basis: FrictionBasis  # Normal force in Coulomb's law
+    angles_deg: Angles  # Declared angles of incidence
+    angle_step_deg: Positive  # Of sweeps over all angles
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Draws:
+    """Contacts for which claims are computed as well: those drawn of a case, in scenarios."""
+
+    case: InferredName
+    scenarios: Annotated[tuple[ScenarioName, ...], Field(min_length=1)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Common:
+    """Settings that claims share; those of one are the keyword arguments of its function."""
+
+    steel: Steel
+    # How samples are drawn, and how many impacts each has where there are many samples.
+    sampling: Sampling
+    series_impacts: Count
+    # Instruments that see events.
+    analyser: Analyser
+    camera: ImagingSystem
+    draws: Draws
 
 
 class Estimate(NamedTuple):
@@ -55,11 +120,8 @@ class Context:
     case: str = ""
     # Contacts of steel on silicon (n,) in place of that of the case.
     contacts: Contact | None = None
-    # Made once, here for all cases: a table of the impact law serves one and the same contact.
-    _seen: dict[tuple[Dropped, float, Sampling], Seen] = field(default_factory=dict)
-    _contacts: dict[Dropped, Contact] = field(default_factory=dict)
-    _steel: dict[str, Contact] = field(default_factory=dict)
-    _sweeps: dict[tuple[str, bool], Impact] = field(default_factory=dict)
+    # Contacts and samples, made once for all claims: a table of the impact law serves one contact.
+    made: dict[Hashable, Any] = field(default_factory=dict)
 
     def cases(self) -> Iterator[Self]:
         """Yield the context of every case."""
@@ -69,83 +131,79 @@ class Context:
         """Return the context with the contact of its case as a contact of arrays (1,)."""
         return replace(self, contacts=resized(self.steel, np.atleast_1d(self.steel.diameter)))
 
+    def _once(self, key: Hashable, make: Callable[[], Any]) -> Any:
+        """Return a contact or sample, made once; each claim that takes it reads the calibration."""
+        _ = self.inputs["calibration"], self.inputs["materials"]
+        if key not in self.made:
+            self.made[key] = make()
+        return self.made[key]
+
     # Contacts and impacts
 
     @property
     def steel(self) -> Contact:
         """Contact of the case, or contacts (n,), as large and with such friction as is meant."""
-        _ = self.inputs["calibration"], self.inputs["materials"]
         steel = self.params.steel
+        case, diameter = self.case or steel.cases[0], steel.diameter_um * 1e-6
+
+        def contact() -> Contact:
+            sized = resized(calibrated_contact(self.inputs, case), diameter)
+            return sized.replace(friction=steel.friction)
+
         if self.contacts is not None:
-            return resized(self.contacts, steel.diameter_um * 1e-6)
-        if self.case not in self._steel:
-            contact = calibrated_contact(self.inputs, self.case or steel.cases[0])
-            sized = resized(contact, steel.diameter_um * 1e-6)
-            self._steel[self.case] = sized.replace(friction=steel.friction)
-        return self._steel[self.case]
-
-    def impacts(
-        self, speed: Real, angle: Real = 90.0, spin_ratio: Real | None = None, basis: str = ""
-    ) -> Impact:
-        """Return impacts of steel at speeds and angles, the contacts along one more axis, the last.
-
-        `spin_ratio`: r omega/v, and `basis`: that of friction; those meant, if not given.
-        """
-        meant = self.params.steel
-        ratio = meant.spin_ratio if spin_ratio is None else spin_ratio
-        speed, angle, ratio = (np.asarray(x, float)[..., None] for x in (speed, angle, ratio))
-        spin = ratio * speed / self.steel.radius
-        return simulate(self.steel, speed, angle, spin, basis or meant.friction_basis)
-
-    def capture_angle(self, above: float = 0.0) -> FloatArray:
-        """Return the angle at and below which the impact meant is captured, degrees; at most 90.
-
-        Parameters
-        ----------
-        above
-            How far above the capture velocity the normal speed is, relatively.
-        """
-        limit = np.asarray(capture_velocity(self.steel))
-        angle: FloatArray = np.degrees(
-            np.arcsin(np.minimum(limit * (1.0 + above) / self.speed, 1.0))
-        )
-        return angle
-
-    @property
-    def calibrated_capture_velocity(self) -> float:
-        """Capture velocity that the calibration met, m/s."""
-        return self.number("calibration", "value", role="target", quantity="capture_velocity")
+            return resized(self.contacts, diameter)
+        calibrated: Contact = self._once(case, contact)
+        return calibrated
 
     @property
     def speed(self) -> float:
         """Speed of the impact meant, m/s."""
         return self.params.steel.speed_m_per_s
 
-    def hit(self, contact: Contact, speed: Real, angle: Real = 90.0) -> Impact:
-        """Simulate impacts with the initial spin and the friction meant."""
-        steel = self.params.steel
-        spin = steel.spin_ratio * np.asarray(speed) / contact.radius
-        return simulate(contact, speed, angle, spin, steel.friction_basis)
+    def hit(self, contact: Contact, speed: Real, angle: Real = 90.0, basis: str = "") -> Impact:
+        """Simulate impacts with the initial spin meant.
+
+        Parameters
+        ----------
+        contact, speed, angle
+            Any contact; m/s; degrees.
+        basis
+            Normal force in Coulomb's law; the one meant if empty.
+        """
+        meant = self.params.steel
+        spin = meant.spin_ratio * np.asarray(speed) / contact.radius
+        return simulate(contact, speed, angle, spin, basis or meant.friction_basis)
+
+    def impacts(self, speed: Real, angle: Real = 90.0, basis: str = "") -> Impact:
+        """Simulate impacts of steel, the contacts along one more axis, the last; see `hit`."""
+        speed, angle = (np.asarray(x, float)[..., None] for x in (speed, angle))
+        return self.hit(self.steel, speed, angle, basis)
+
+    def capture_angle(self, above: float = 0.0) -> FloatArray:
+        """Return the angle (degrees, at most 90) at and below which the impact meant is captured.
+
+        With `above`, that at which the normal speed is by this share above the capture velocity.
+        """
+        ratio = np.asarray(capture_velocity(self.steel)) * (1.0 + above) / self.speed
+        return np.asarray(np.degrees(np.arcsin(np.minimum(ratio, 1.0))))
+
+    @property
+    def calibrated_capture_velocity(self) -> float:
+        """Capture velocity that the calibration met, m/s."""
+        return self.number("calibration", "value", role="target", quantity="capture_velocity")
 
     def all_angles(self, high: float = 90.0, low: float = 0.0) -> FloatArray:
         """Return all steps of the angle from high to low, without 0, in degrees."""
         step = self.params.steel.angle_step_deg
         angles = step * np.arange(1, int(90.0 / step) + 1)
-        inside = angles[(angles >= low) & (angles <= high)][::-1]
-        return inside.astype(np.float64)
+        return np.asarray(angles[(angles >= low) & (angles <= high)][::-1], dtype=np.float64)
 
     def rebounds(self, angles: FloatArray | None = None) -> Impact:
         """Return the impacts meant at angles (all steps, if none given), the contacts last.
 
         Raises ValueError if no contact rebounds at any.
         """
-        _ = self.steel
-        if angles is not None:
-            impact = self.impacts(self.speed, angles)
-        elif (key := (self.case, self.contacts is None)) in self._sweeps:
-            impact = self._sweeps[key]
-        else:
-            impact = self._sweeps[key] = self.impacts(self.speed, self.all_angles())
+        impact = self.impacts(self.speed, self.all_angles() if angles is None else angles)
         if np.all(impact.captured):
             raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
         return impact
@@ -160,44 +218,38 @@ class Context:
 
     # Samples of virtual impacts
 
+    def drawing(self, **changes: Any) -> Self:
+        """Return the context with samples drawn in another way: fields of `Sampling` changed."""
+        sampling = replace(self.params.sampling, **changes)
+        return replace(self, params=replace(self.params, sampling=sampling))
+
     @property
-    def series(self) -> Sampling:
-        """How samples are drawn at many angles or settings."""
-        return replace(self.params.sampling, impacts=self.params.series_impacts)
+    def series(self) -> Self:
+        """The context with the smaller samples that are drawn at many angles or settings."""
+        return self.drawing(impacts=self.params.series_impacts)
 
-    def contact(self, dropped: Dropped) -> Contact:
-        """Return the contact of the dropped particles, at the mean diameter."""
-        # Made once, but read for every sample.
-        _ = self.inputs["calibration"], self.inputs["materials"]
+    def sample(self, dropped: Dropped) -> Sample:
+        """Return a large sample of virtual impacts; of the case, if there is one."""
+        dropped = replace(dropped, case=self.case or dropped.case)
+        # The contact has the mean diameter; spin and slopes are none of it.
         key = replace(dropped, spin=NO_SPIN, surface_slope=0.0)
-        if key not in self._contacts:
-            self._contacts[key] = contact_of(dropped, self.inputs)
-        return self._contacts[key]
+        contact = self._once(key, lambda: contact_of(dropped, self.inputs))
+        return Sample(dropped=dropped, contact=contact, sampling=self.params.sampling)
 
-    def seen(self, dropped: Dropped, angle: float, sampling: Sampling | None = None) -> Seen:
-        """Return the results of a large sample of virtual impacts; of the case, if there is one."""
-        case_dropped = replace(dropped, case=self.case or dropped.case)
-        key = (case_dropped, angle, sampling or self.params.sampling)
-        contact = self.contact(case_dropped)  # whose tables count as read by this claim, too
-        if key not in self._seen:
-            sample = Sample(dropped=case_dropped, contact=contact, sampling=key[2])
-            self._seen[key] = sample.seen(angle)
-        return self._seen[key]
+    def seen(self, dropped: Dropped, angle: float) -> Seen:
+        """Return the rebounds of a sample at an angle in degrees."""
+        sample = self.sample(dropped)
+        seen: Seen = self._once((sample, angle), lambda: sample.seen(angle))
+        return seen
 
-    def mean(
-        self, quantity: str, dropped: Dropped, angle: float, sampling: Sampling | None = None
-    ) -> Estimate:
+    def mean(self, quantity: str, dropped: Dropped, angle: float) -> Estimate:
         """Return the mean over the rebounds of a sample; arguments as in `over_half_width`."""
-        sample = self.seen(dropped, angle, sampling)
-        mean = sample.means[quantity]
-        return Estimate(mean.value, mean.sd / np.sqrt(max(len(sample.measured), 1)))
+        seen = self.seen(dropped, angle)
+        mean = seen.means[quantity]
+        return Estimate(mean.value, mean.sd / np.sqrt(max(len(seen.measured), 1)))
 
     def over_half_width(
-        self,
-        quantity: str,
-        first: tuple[Dropped, float],
-        second: tuple[Dropped, float],
-        sampling: Sampling | None = None,
+        self, quantity: str, first: tuple[Dropped, float], second: tuple[Dropped, float]
     ) -> Estimate:
         """Return a difference of means over the half-width of its interval.
 
@@ -207,12 +259,10 @@ class Context:
             ``restitution``, ``impulse_ratio`` or ``energy_loss``.
         first, second
             Of the difference first less second: samples, and their angles in degrees.
-        sampling
-            How the samples are drawn.
         """
-        a, b = (self.seen(*end, sampling).means[quantity] for end in (first, second))
-        apart = self.mean(quantity, *first, sampling) - self.mean(quantity, *second, sampling)
-        return apart / half_width(a, b, sampling or self.params.sampling)
+        a, b = (self.seen(*end).means[quantity] for end in (first, second))
+        apart = self.mean(quantity, *first) - self.mean(quantity, *second)
+        return apart / half_width(a, b, self.params.sampling)
 
     # Tables
 
@@ -278,8 +328,3 @@ def greatest(values: FloatArray, where: BoolArray) -> FloatArray:
 def without_adhesion(contact: Contact) -> Contact:
     """Return the contact with the same damping and no ring force."""
     return contact.replace(work_of_adhesion=0.0)
-
-
-def between(ends: tuple[float, float], points: int) -> FloatArray:
-    """Return speeds or sizes between two ends, in equal ratios."""
-    return np.geomspace(*ends, points)

@@ -12,7 +12,6 @@ from study.studies.claims.claim_numbers.context import Context, Numbers
 from study.studies.claims.claim_numbers.experiments import EXPONENT_STEP, local_exponents
 
 REALISTIC, SMALL = "realistic", "uniform"
-DIRECT, LOGARITHM = "v_c", "ln v_c"
 
 
 @claim("C53", by_case=True)
@@ -66,13 +65,12 @@ def c55(context: Context) -> Numbers:
     """
     quarters = context.table("doe_bd_aliasing", variation=SMALL)
     taken = quarters.loc[quarters["main_effect"] != "none", "apparent_percent"]
-    effects, logarithm = (fraction(context, SMALL, kind) for kind in (DIRECT, LOGARITHM))
+    effects = fraction(context, SMALL)
     size = {word: abs(effect(effects, word)) for word in ("BD", "BC", "CD")}
     return {
         "size_of_bd_over_bc": size["BD"] / size["BC"],
         "size_of_bd_over_cd": size["BD"] / size["CD"],
         "size_of_bd_over_margin": size["BD"] / effects["margin_percent"].iloc[0],
-        "size_of_bd_over_bc_of_logarithm": abs(effect(logarithm, "BD") / effect(logarithm, "BC")),
         "largest_effect_taken_for_bd_by_a_quarter_of_the_design": taken.abs().max(),
     }
 
@@ -81,19 +79,15 @@ def c55(context: Context) -> Numbers:
 def c56(context: Context) -> Numbers:
     """Secondary effects over the smaller leading one, the larger of both sets of levels."""
     sets = [fraction(context, variation) for variation in (REALISTIC, SMALL)]
-    stiffness, damping = (
-        max(abs(effect(effects, letter)) / leading(effects) for effects in sets) for letter in "AE"
+    larger = max(
+        abs(effect(effects, letter)) / leading(effects) for effects in sets for letter in "AE"
     )
-    larger = max(stiffness, damping)
-    return {
-        "larger_of_stiffness_and_material_damping_over_smaller_leading_effect": larger,
-        "size_of_material_damping_effect_over_smaller_leading_effect": damping,
-    }
+    return {"larger_of_stiffness_and_material_damping_over_smaller_leading_effect": larger}
 
 
-def fraction(context: Context, variation: str, response: str = DIRECT) -> pd.DataFrame:
+def fraction(context: Context, variation: str) -> pd.DataFrame:
     """Return the effects that the fractional design estimates, by their words."""
-    wanted = {"variation": variation, "design": "fraction", "response": response}
+    wanted = {"variation": variation, "design": "fraction", "response": "v_c"}
     return context.table("doe_effects", **wanted).set_index("effect")
 
 

@@ -8,11 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.core.solve import root
-from microimpact.lab.events import Impacts
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import Impact, simulate
+from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.statistics.intervals import student_half_width
@@ -29,26 +27,17 @@ from study.studies.claims.claim_numbers.context import (
     Context,
     Estimate,
     Numbers,
-    between,
     without_adhesion,
 )
 from study.studies.claims.claim_numbers.experiments import ABOVE_CAPTURE
 from study.studies.claims.claim_numbers.experiments import POINTS as CURVE_POINTS
 from study.studies.claims.claim_numbers.oblique import sampled
 from study.studies.claims.claim_numbers.rigid_body import farthest
-from study.studies.contacts import calibrated_contact
+from study.studies.contacts import DRAWN, calibrated_contact
 from study.studies.samples import Dropped, reduce_to
 
 # Factor by which each base unit (mass, length, time) is changed: a power of two is exact.
 UNIT_FACTOR = 2.0
-# Hertz (1882): duration of an elastic impact in greatest compressions over the speed.
-HERTZ_DURATION = 2.9432751
-LASTING = (
-    "shortest_contact",
-    "longest_contact",
-    "shortest_contact_by_hertz",
-    "longest_contact_by_hertz",
-)
 # Tabor (1951): representative strain of an indentation over its radius in sphere radii.
 TABOR_STRAIN = 0.2
 # Columns of the moments that can arise during an impact, over the moment of friction: from all that
@@ -57,10 +46,13 @@ TABOR_STRAIN = 0.2
 MOMENTS = ("impact_over_friction", "damping_over_friction")
 # Points of curves over speed.
 POINTS = 60
-# How far from the known capture velocity another is sought, as a logarithm.
-REACH = 3.0
-# Nominal speed, m/s, far from the one meant.
-OTHER_SPEED = 0.5
+# Columns in which members of the calibrated family differ.
+FAMILY = (
+    "work_of_adhesion_J_per_m2",
+    "hertz_damping_s_per_m",
+    "adhesion_damping_s_per_m",
+    "rate_exponent",
+)
 
 
 @claim("C25")
@@ -153,7 +145,7 @@ def c28(context: Context) -> Numbers:
 @claim("C29", by_contact=True)
 def c29(context: Context, *, slow_speed_m_per_s: Positive) -> Numbers:
     """Greatest compression with the ring force over that without: the least over speeds."""
-    speeds = between((slow_speed_m_per_s, context.speed), CURVE_POINTS)[:, None]
+    speeds = np.geomspace(slow_speed_m_per_s, context.speed, CURVE_POINTS)[:, None]
     both = context.steel, without_adhesion(context.steel)
     deep, bare = (normal_impact(contact, speeds).maximum_compression for contact in both)
     return {"least_ratio_of_compression_with_to_without_adhesion": np.min(deep / bare, axis=0)}
@@ -228,46 +220,32 @@ def c37(
 ) -> Numbers:
     """Shortest and longest contact of the rebounds over a range of speeds, by size class."""
     sizes = np.array(list(diameters_um.values()))[:, None] * 1e-6
-    lasts = lasting(resized(context.steel, sizes), speeds_m_per_s)
-    if np.isnan(lasts).any(axis=(0, 1)).all():
-        raise ValueError("C37.speeds_m_per_s: no sphere rebounds at them")
-    return {
-        name: dict(zip(LASTING, times, strict=True))
-        for name, times in zip(diameters_um, lasts, strict=True)
-    }
-
-
-def lasting(spheres: Contact, ends: tuple[float, float]) -> FloatArray:
-    """Return the contacts of spheres (sizes, n), ns, by `LASTING`: (sizes, numbers, n).
-
-    At speeds between two ends, m/s. Just above its capture velocity contact lasts longest: that
-    speed is added. nan where no sphere rebounds.
-    """
-    limit = np.clip(capture_velocity(spheres) * (1.0 + ABOVE_CAPTURE), *ends)
-    speeds = between(ends, CURVE_POINTS)[:, None, None]
+    spheres = resized(context.steel, sizes)
+    # Just above its capture velocity contact lasts longest: that speed is added.
+    limit = np.clip(capture_velocity(spheres) * (1.0 + ABOVE_CAPTURE), *speeds_m_per_s)
+    speeds = np.geomspace(*speeds_m_per_s, CURVE_POINTS)[:, None, None]
     speeds = np.concatenate([np.broadcast_to(speeds, (CURVE_POINTS, *limit.shape)), limit[None]])
     impact = normal_impact(spheres, speeds)
-    # Hertz: K sqrt(r) s^(5/2) = 5/4 m v^2.
-    stiffness = np.sqrt(spheres.hertz_radius) * spheres.stiffness
-    deepest = np.power(1.25 * spheres.mass * np.square(speeds) / stiffness, 0.4)
-    lasts = []
-    for times in (impact.contact_time, HERTZ_DURATION * deepest / speeds):
-        of_rebounds = np.where(impact.captured, np.nan, times * 1e9)
-        lasts += [np.fmin.reduce(of_rebounds), np.fmax.reduce(of_rebounds)]
-    return np.stack(lasts, axis=1)
+    times = np.where(impact.captured, np.nan, impact.contact_time * 1e9)
+    shortest, longest = np.fmin.reduce(times), np.fmax.reduce(times)
+    if np.isnan(shortest).any(axis=0).all():
+        raise ValueError("C37.speeds_m_per_s: no sphere rebounds at them")
+    return {
+        name: {"shortest_contact": least, "longest_contact": most}
+        for name, least, most in zip(diameters_um, shortest, longest, strict=True)
+    }
 
 
 @claim("C38", by_contact=True)
 def c38(context: Context) -> Numbers:
-    """Strain of a normal impact over half its duration, by three measures of strain."""
+    """Strain of a normal impact over half its duration, by two measures of strain."""
     steel = context.steel
     impact = context.impacts(context.speed)
-    compression, reach = impact.maximum_compression, steel.radius * impact.contact_time / 2.0
-    contact_radius = np.sqrt(steel.hertz_radius * compression)
+    reach = steel.radius * impact.contact_time / 2.0
+    contact_radius = np.sqrt(steel.hertz_radius * impact.maximum_compression)
     return {
         "rate_of_radius_strain": contact_radius / reach,
         "rate_of_tabor_strain": TABOR_STRAIN * contact_radius / reach,
-        "rate_of_compression_strain": compression / reach,
     }
 
 
@@ -290,12 +268,13 @@ def c41(context: Context, *, dropped: Dropped, angle_deg: AngleDegrees) -> Numbe
     gaps = [gap_over_half_width(context, dropped, float(angle)) for angle in oblique]
     impact = context.rebounds(oblique)
     loss = impact.translational_energy_loss - impact.energy_loss
+    after = context.hit(steel, context.speed, angle_deg)
+    rotation = INERTIA * np.square(steel.radius * after.spin)
+    moving = np.square(after.normal_velocity) + np.square(after.tangential_velocity)
     return {
         "largest_gap_of_losses_over_half_width": max(gaps),
         "least_gap_of_losses": np.min(loss[~impact.captured]),
-        "rotational_share_of_final_energy": rotational_share(
-            steel, context.hit(steel, context.speed, angle_deg)
-        ),
+        "rotational_share_of_final_energy": rotation / (rotation + moving),
     }
 
 
@@ -310,24 +289,11 @@ def gap_over_half_width(context: Context, dropped: Dropped, angle: float) -> flo
     if len(free) < params.sampling.events:
         return 0.0
     loss = reduce_to(free.in_plane, len(impacts), params.sampling).means["energy_loss"]
-    gap = np.mean(gained_by_rotation(free))
+    # Rotational energy gained over the translational energy before.
+    gained = np.sum(np.square(free.rebound_spin) - np.square(free.spin), axis=1)
+    before = np.sum(np.square(free.velocity), axis=1)
+    gap = np.mean(INERTIA * np.square(0.5 * free.diameter) * gained / before)
     return float(gap / student_half_width(loss.sd, params.sampling.events, loss.systematic))
-
-
-def gained_by_rotation(impacts: Impacts) -> FloatArray:
-    """Return the rotational energy gained over the translational energy before each impact."""
-    radius = 0.5 * impacts.diameter
-    gained = np.sum(np.square(impacts.rebound_spin) - np.square(impacts.spin), axis=1)
-    before = np.sum(np.square(impacts.velocity), axis=1)
-    share: FloatArray = INERTIA * np.square(radius) * gained / before
-    return share
-
-
-def rotational_share(contact: Contact, impact: Impact) -> float:
-    """Return the share of rotation in the kinetic energy after an impact."""
-    rotation = INERTIA * np.square(contact.radius * impact.spin)
-    moving = np.square(impact.normal_velocity) + np.square(impact.tangential_velocity)
-    return float(rotation / (rotation + moving))
 
 
 @claim("C42", by_case=True)
@@ -367,87 +333,34 @@ def c99(
     open_speed_m_per_s: Positive,
     flat_within: Positive,
 ) -> Numbers:
-    """Error of e at speeds not fitted, and how far members of the family differ."""
+    """Error of e at speeds not fitted, and how far members of the family differ.
+
+    Members that keep e flat enough, of all rate exponents.
+    """
     contact = context.steel
     e = simulate(contact, np.array(held_out_speeds_m_per_s)).coefficient_of_restitution
-    members = flat_members(context, contact, flat_within)
+    table = context.table("calibration_family")
+    flat = table[table["deviation_from_plateau"] <= flat_within]
+    if flat.empty:
+        raise ValueError("flat_within: no member of the calibrated family is so flat")
+    fields = {DRAWN[name]: flat[name].to_numpy(float) for name in FAMILY}
+    members = contact.replace(**fields)
     at_open_speed = simulate(members, open_speed_m_per_s).coefficient_of_restitution
     error = np.max(np.abs(e - context.params.steel.restitution))
     return {"largest_error": error, "spread_of_members": np.ptp(at_open_speed)}
 
 
-def flat_members(context: Context, contact: Contact, flat_within: float) -> Contact:
-    """Return the members (n,) of the family that keep e flat enough, of all rate exponents.
-
-    Raises ValueError if there is none.
-    """
-    table = context.table("calibration_family")
-    flat = table[table["deviation_from_plateau"] <= flat_within]
-    if flat.empty:
-        raise ValueError("flat_within: no member of the calibrated family is so flat")
-    return contact.replace(
-        work_of_adhesion=flat["work_of_adhesion_J_per_m2"].to_numpy(float),
-        hertz_damping=flat["hertz_damping_s_per_m"].to_numpy(float),
-        adhesion_damping=flat["adhesion_damping_s_per_m"].to_numpy(float),
-        adhesion_rate_exponent=flat["rate_exponent"].to_numpy(float),
-    )
-
-
 @claim("C100", by_case=True)
 def c100(context: Context, *, speeds_m_per_s: PositiveRange) -> Numbers:
-    """Change of e if zeta is held at each impact's speed, or at another nominal speed."""
+    """Change of e if the zeta of Eqs. (23) and (24) is held, with v_N the speed of each impact."""
     contact = context.steel
     speed = np.geomspace(*speeds_m_per_s, POINTS)
-    renamed = renormalised(contact, OTHER_SPEED)
-    e, each, again = (
-        simulate(c, speed).coefficient_of_restitution
-        for c in (contact, at_own_speed(contact, speed), renamed)
-    )
-    return {
-        "largest_change_of_restitution_with_each_speed": np.max(np.abs(each - e)),
-        "largest_change_of_restitution_with_another_nominal_speed": np.max(np.abs(again - e)),
-        "capture_velocity_ratio_with_each_speed": capture_ratio(contact),
-    }
-
-
-def at_own_speed(contact: Contact, speed: Real) -> Contact:
-    """Return the contact with the zeta of Eqs. (23) and (24) held, v_N the speed of each impact."""
     unit = contact.replace(reference_velocity=speed).damping_unit / contact.damping_unit
-    return contact.replace(
+    held = contact.replace(
         hertz_damping=contact.hertz_damping * unit, adhesion_damping=contact.adhesion_damping * unit
     )
-
-
-def renormalised(contact: Contact, speed: float) -> Contact:
-    """Return the same contact by zeta at another nominal speed."""
-    # damping that varies with the rate is quoted at the nominal speed
-    adhesion = contact.adhesion_damping_at(speed)
-    bare = contact.replace(reference_velocity=speed)
-    return Contact.from_zeta(
-        zeta_hertz=contact.hertz_damping / bare.damping_unit,
-        zeta_adhesion=adhesion / bare.damping_unit,
-        reference_velocity=speed,
-        particle=contact.particle,
-        surface=contact.surface,
-        diameter=contact.diameter,
-        work_of_adhesion=contact.work_of_adhesion,
-        friction=contact.friction,
-        adhesion_rate_exponent=contact.adhesion_rate_exponent,
-    )
-
-
-def capture_ratio(contact: Contact) -> float:
-    """Return the capture velocity with zeta at each speed over that with one; 1 without damping."""
-    limit = float(capture_velocity(contact))
-    if limit == 0.0:
-        return 1.0
-
-    def excess(log_speed: float) -> float:
-        speed = float(np.exp(log_speed))
-        return log_speed - float(np.log(capture_velocity(at_own_speed(contact, speed))))
-
-    start = float(np.log(limit))
-    return float(np.exp(root(excess, start - REACH, start + REACH, absolute=1e-12) - start))
+    e, each = (simulate(c, speed).coefficient_of_restitution for c in (contact, held))
+    return {"largest_change_of_restitution_with_each_speed": np.max(np.abs(each - e))}
 
 
 @claim("C103")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 import scipy
+from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.data import DataSets, data_sets
@@ -15,8 +17,7 @@ from microimpact.model.empirical.search import fit_batch
 from microimpact.statistics.distributions import generator
 from study.declared.parameters import AboveOne, Count
 from study.studies.claims.claim_numbers.claim import claim
-from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers, between
-from study.studies.claims.claim_numbers.params import Rebounds
+from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers
 from study.tables import POINTS
 
 ANALYSIS = 104
@@ -25,6 +26,8 @@ CONFIDENCE = 0.95
 MEDIAN_ERROR = 1.2533
 # Fastest of the fitted rebounds in capture velocities, as for Fig. 16.
 FITTED_TO = 15.0
+
+Rebounds = Annotated[int, Field(ge=8)]
 
 
 @claim("C43", by_case=True)
@@ -47,7 +50,7 @@ def c43(
         raise ValueError(f"restitution_fits: {len(rows)} fits of case {context.case!r}, need one")
     fitted, limit = rows["v_c_m_per_s"].iloc[0], rows["simulated_v_c_m_per_s"].iloc[0]
     steel_limit = float(capture_velocity(context.steel))
-    ratios = between((late_from, FITTED_TO), rebounds)
+    ratios = np.geomspace(late_from, FITTED_TO, rebounds)
     e = simulate(context.steel, ratios * steel_limit).coefficient_of_restitution
     later = fit_restitution(ratios * steel_limit, e).v_c
     sets = noisy_sets(context, fitted_from, rebounds, data_sets)
@@ -81,13 +84,9 @@ def noisy_sets(context: Context, fitted_from: float, rebounds: int, sets: int) -
     contact = context.steel
     speed = float(capture_velocity(contact)) * np.geomspace(fitted_from, FITTED_TO, rebounds)
     e = simulate(contact, speed).coefficient_of_restitution
-    sigma = restitution_noise(context, speed, e)
+    # Of one event: noise of both speeds by the analyser.
+    noise = context.params.analyser.velocity_noise
+    sigma = np.asarray(np.hypot(noise(e * speed), e * noise(speed)) / speed)
     rng = generator(context.params.sampling.seed, ANALYSIS)
     measured = np.maximum(e + sigma * rng.standard_normal((sets, e.size)), 0.0)
     return data_sets(speed, measured, (measured > 0.0) / sigma)
-
-
-def restitution_noise(context: Context, speed: FloatArray, e: FloatArray) -> FloatArray:
-    """Return the standard deviation of e of one event: noise of both speeds by the analyser."""
-    noise = context.params.analyser.velocity_noise
-    return np.asarray(np.hypot(noise(e * speed), e * noise(speed)) / speed)

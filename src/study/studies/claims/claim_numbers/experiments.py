@@ -6,11 +6,12 @@ from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
+import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.constants import gravity
-from microimpact.core.solve import IntArray, root
+from microimpact.core.solve import root
 from microimpact.lab.pdpa.pairing import Form, correct
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
@@ -29,7 +30,7 @@ from study.declared.parameters import (
     PositiveRange,
 )
 from study.studies.claims.claim_numbers.claim import claim
-from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers, between, of_share
+from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers, of_share
 from study.studies.contacts import calibrated_contact
 from study.studies.experiments.pile_up import onset
 
@@ -89,19 +90,9 @@ def c03(
 ) -> Numbers:
     """Slowest rebound that climbs to the probe, and share of the rebounds that do not."""
     slowest = np.sqrt(2.0 * gravity * 1e-3 * probe_height_mm)
-    diameters, steel = of_class(diameter_um, sizes), context.steel
-
-    def first_faster(rebound: float) -> IntArray:
-        below, above = np.full(steel.shape, -1), np.full(steel.shape, sizes)
-        while np.any(above - below > 1):
-            middle = np.maximum((below + above) // 2, 0)
-            impact = normal_impact(resized(steel, diameters[middle]), speed_m_per_s)
-            faster = impact.coefficient_of_restitution * speed_m_per_s > rebound
-            below, above = np.where(faster, below, middle), np.where(faster, middle, above)
-        return above
-
-    # The larger a sphere, the faster its rebound, so that two places among the sizes tell all.
-    captured, slow = (first_faster(least) for least in (0.0, slowest))
+    spheres = resized(context.steel, of_class(diameter_um, sizes)[:, None])
+    rebound = speed_m_per_s * normal_impact(spheres, speed_m_per_s).coefficient_of_restitution
+    captured, slow = (np.sum(rebound <= least, axis=0) for least in (0.0, slowest))
     if np.all(captured == sizes):
         raise ValueError(f"C03.speed_m_per_s: no sphere rebounds at {speed_m_per_s:g}")
     share = (slow - captured) / np.maximum(sizes - captured, 1)
@@ -125,7 +116,7 @@ def c04(context: Context, *, speed_m_per_s: Positive) -> Numbers:
 @claim("C05", by_contact=True)
 def c05(context: Context, *, flat_from_m_per_s: Positive, slow_speed_m_per_s: Positive) -> Numbers:
     """Restitution against that at 1.66 m/s: greatest change down to 0.75 m/s, fall at 0.3 m/s."""
-    speeds = between((flat_from_m_per_s, context.speed), POINTS)
+    speeds = np.geomspace(flat_from_m_per_s, context.speed, POINTS)
     e = context.impacts(speeds).coefficient_of_restitution
     slow = context.impacts(slow_speed_m_per_s).coefficient_of_restitution
     return {
@@ -152,7 +143,7 @@ def c06(context: Context) -> Numbers:
 def rebounding_speeds(case: Context) -> FloatArray:
     """Return normal speeds in m/s from just above capture to the one that is meant."""
     least = float(capture_velocity(case.steel)) * (1.0 + ABOVE_CAPTURE)
-    return between((least, case.speed), POINTS)
+    return np.geomspace(least, case.speed, POINTS)
 
 
 @claim("C07", by_case=True)
@@ -185,7 +176,7 @@ def speed_of_share(context: Context, contact: Contact, share: float) -> float:
         e = float(simulate(contact, speed).coefficient_of_restitution)
         return e - share * plateau
 
-    for fast, slow in pairwise(between((context.speed, limit), POINTS)):
+    for fast, slow in pairwise(np.geomspace(context.speed, limit, POINTS)):
         if excess(slow) < 0.0:
             return root(excess, slow, fast, absolute=1e-14, relative=1e-14)
     raise ValueError(f"restitution never falls to {share:g} of its plateau")
@@ -210,23 +201,12 @@ def sized(contact: Contact, diameter: Real, work_exponent: float) -> Contact:
 
 @claim("C61")
 def c61(context: Context, *, most_pulses_per_s: Positive) -> Numbers:
-    """Speeds that some field of view serves, and those that the best one does at its best angle.
-
-    The disk speed is the greatest over the speeds that the best one serves.
-    """
+    """Speeds that some field of view serves, and how far a sphere falls to the slowest."""
     table = context.table("ptis_range", method="model")
     served = table[table["covered"] & (table["chop_per_s"] <= most_pulses_per_s)]
-    views = [
-        (rows["speed_m_per_s"].nunique(), width, rows["disk_rev_per_min"].max())
-        for (width, _), rows in served.groupby(["view_width_mm", "angle_deg"])
-    ]
-    count, width, disk = max(views, default=(0, 0.0, 0.0))
     return {
         "drop_to_slowest_speed": table["fall_height_mm"].min(),
         "speeds_served_by_some_field_of_view": served["speed_m_per_s"].nunique(),
-        "speeds_served_by_best_field_of_view": count,
-        "disk_speed_needed": disk,
-        "best_field_of_view": width,
     }
 
 
@@ -378,42 +358,45 @@ def c66(
 
     Beside both onsets, their largest and least difference over all targets.
     """
-    velocities = strong_capture_m_per_s, weak_capture_m_per_s
-    meant = radius_mm, slope_deg
-    return {
-        f"{100.0 * share:g} % stay": piles(context, share, velocities, meant) for share in shares
-    }
-
-
-def piles(
-    context: Context, share: float, velocities: tuple[float, float], meant: tuple[float, float]
-) -> Numbers:
-    """Return both onsets, and their largest and least difference over all targets and scatters."""
     table = context.table("pile_up")
-    targets = table[["target_radius_mm", "slope_deg"]].drop_duplicates().to_numpy(float)
-    onsets = {
-        (radius, slope): [first_pile(context, radius, slope, each, share) for each in velocities]
-        for radius, slope in targets.tolist()
-    }
-    near = min(onsets, key=lambda target: np.abs(np.subtract(target, meant)).tolist())
-    strong, weak = onsets[near]
-    difference = [abs(strong - weak) for strong, weak in onsets.values()]
-    return {
-        "onset_speed_with_strong_capture": strong,
-        "onset_speed_with_weak_capture": weak,
-        "largest_difference_of_onset_speeds": max(difference),
-        "least_difference_of_onset_speeds": min(difference),
-    }
+    velocities = strong_capture_m_per_s, weak_capture_m_per_s
+    targets = table[["target_radius_mm", "slope_deg"]].drop_duplicates().to_numpy(float).tolist()
+    meant = min(targets, key=lambda t: [abs(t[0] - radius_mm), abs(t[1] - slope_deg)])
+    numbers = {}
+    for share in shares:
+        onsets = [
+            [first_pile(table, radius, slope, each, share) for each in velocities]
+            for radius, slope in targets
+        ]
+        strong, weak = onsets[targets.index(meant)]
+        difference = np.abs(np.diff(onsets))
+        numbers[f"{100.0 * share:g} % stay"] = {
+            "onset_speed_with_strong_capture": strong,
+            "onset_speed_with_weak_capture": weak,
+            "largest_difference_of_onset_speeds": np.max(difference),
+            "least_difference_of_onset_speeds": np.min(difference),
+        }
+    return numbers
 
 
 def first_pile(
-    context: Context, radius: float, slope: float, velocity: float, wanted: float
+    table: pd.DataFrame, radius: float, slope: float, velocity: float, wanted: float
 ) -> float:
     """Return the highest speed (m/s) at which the share that counts as a pile rests on a target.
 
-    The slowest of the speeds tried, if there is no pile at any of them.
+    The slowest of the speeds tried, if there is no pile at any of them. Raises ValueError if none
+    was tried with the capture velocity.
+
+    Parameters
+    ----------
+    table
+        ``pile_up``.
+    radius, slope, velocity
+        Of the target, mm and degrees; capture velocity, m/s.
+    wanted
+        The share.
     """
-    rows = context.table("pile_up", target_radius_mm=radius, slope_deg=slope)
+    rows = table[(table["target_radius_mm"] == radius) & (table["slope_deg"] == slope)]
     rows = rows[np.isclose(rows["capture_velocity_m_per_s"], velocity)]
     if rows.empty:
         raise ValueError(f"pile_up: no row with capture_velocity_m_per_s {velocity:g}")
@@ -426,7 +409,7 @@ def c105(context: Context, *, diameter_um: Distribution, flat_from_m_per_s: Posi
     """How the mean e of a sieve class's rebounds changes from the nominal speed down."""
     spheres = resized(context.steel, of_class(diameter_um, CLASS_SIZES)[:, None])
     means = []
-    for speed in between((flat_from_m_per_s, context.speed), CLASS_SPEEDS):
+    for speed in np.geomspace(flat_from_m_per_s, context.speed, CLASS_SPEEDS):
         impact = normal_impact(spheres, speed)
         rebounds = np.sum(~impact.captured, axis=0)
         total = np.sum(impact.coefficient_of_restitution, axis=0)

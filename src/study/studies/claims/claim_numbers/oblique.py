@@ -7,15 +7,14 @@ from dataclasses import asdict, replace
 import numpy as np
 import pandas as pd
 
-from microimpact.core.arrays import BoolArray, FloatArray, Real
+from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.solve import IntArray, root, threshold
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import SpeedClass, StopRule
 from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.reduction import EXACT, Mean
-from microimpact.model.contact import Contact
-from microimpact.model.dynamics.impact import Impact, simulate, velocity_components
+from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.roughness import measured_restitution
 from microimpact.statistics.distributions import generator
 from study.declared.parameters import (
@@ -30,17 +29,19 @@ from study.declared.parameters import (
 )
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import (
+    AngleRange,
+    Angles,
     Context,
     Estimate,
     Numbers,
+    SteepToShallow,
     of_share,
     over_draws,
 )
-from study.studies.claims.claim_numbers.params import AngleRange, Angles, SteepToShallow
 from study.studies.experiments.mechanisms.impulse_regions import regions
 from study.studies.experiments.mechanisms.speed_and_angle import REGION_ANGLES, departures
 from study.studies.experiments.mechanisms.spin import rolling_limit
-from study.studies.samples import Dropped, Sample, half_width, in_class
+from study.studies.samples import Dropped, half_width, in_class
 
 # Speeds in m/s between which that of capture is sought: none below, all above.
 SLOWEST, FASTEST = 1e-3, 1e2
@@ -154,9 +155,9 @@ def c13(context: Context, *, angles_deg: SteepToShallow) -> Numbers:
     }
 
 
-def translational_loss(context: Context, speed: float, steep: float, shallow: float) -> FloatArray:
+def translational_loss(context: Context, speed: float, *steep_to_shallow: float) -> FloatArray:
     """Return the loss of Eq. (3) in all steps from the steep angle to the shallow one."""
-    angles = context.all_angles(steep, shallow)
+    angles = context.all_angles(*steep_to_shallow)
     return np.asarray(context.impacts(speed, angles).translational_energy_loss)
 
 
@@ -223,12 +224,8 @@ def c16(
 
 def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
     """Return the impacts of the speed class at one angle, of the context's case."""
-    case_dropped = replace(dropped, case=context.case)
-    sampling = context.params.sampling
-    impacts = Sample(
-        dropped=case_dropped, contact=context.contact(case_dropped), sampling=sampling
-    ).impacts(angle)
-    return impacts.select(in_class(case_dropped, impacts))
+    impacts = context.sample(dropped).impacts(angle)
+    return impacts.select(in_class(dropped, impacts))
 
 
 @claim("C67", by_case=True)
@@ -244,7 +241,7 @@ def c67(context: Context, *, dropped: Dropped, spin_sd: NonNegative) -> Numbers:
 def found_regions(context: Context, dropped: Dropped) -> Numbers:
     """Return the kinds of regions between change points, and the width of the transition."""
     angle = REGION_ANGLES
-    means = [context.mean("impulse_ratio", dropped, a, context.series) for a in angle.tolist()]
+    means = [context.series.mean("impulse_ratio", dropped, a) for a in angle.tolist()]
     mean, error = np.array(means, dtype=float).T
     known = np.isfinite(mean)
     if not known.any():
@@ -265,7 +262,7 @@ def c68(
     low, high = sorted(plateau_angles_deg)
     angle = np.arange(low, high + COARSE / 2, COARSE)
     level, grazing = (
-        context.impacts(context.speed, angles, 0.0).coefficient_of_restitution
+        context.impacts(context.speed, angles).coefficient_of_restitution
         for angles in (angle, grazing_angle_deg)
     )
     stray = np.abs(level - context.params.steel.restitution)
@@ -273,11 +270,6 @@ def c68(
         "largest_difference_from_plateau": np.max(stray, axis=0),
         "restitution_at_grazing_angle": grazing,
     }
-
-
-def at_angles(context: Context, contact: Contact, angle: Real) -> Impact:
-    """Return impacts at the nominal speed without spin."""
-    return simulate(contact, context.speed, angle, 0.0, context.params.steel.friction_basis)
 
 
 @claim("C69", by_contact=True)
@@ -293,7 +285,7 @@ def c69(context: Context, *, level_angles_deg: AngleRange, rise_angles_deg: Angl
 
 def quotient(context: Context, angles: tuple[float, float], basis: str = "") -> FloatArray:
     """Return the impulse ratio at one angle over that at another."""
-    ratio = context.impacts(context.speed, np.array(angles), 0.0, basis).impulse_ratio
+    ratio = context.impacts(context.speed, np.array(angles), basis).impulse_ratio
     return np.asarray(ratio[0] / ratio[1])
 
 
@@ -397,11 +389,9 @@ def class_mean(
 
     Raises ValueError if too few rebound.
     """
-    speed = speed_class.speed_m_per_s
-    of_class = replace(
-        dropped, speed_m_per_s=speed, speed_range_m_per_s=speed_class.speed_range_m_per_s
-    )
+    of_class = replace(dropped, **asdict(speed_class))
     if not context.seen(of_class, angle).measured:
+        speed = speed_class.speed_m_per_s
         raise ValueError(f"of the class at {speed:g} m/s no sphere rebounds at {angle:g} deg")
     return context.mean("restitution", of_class, angle)
 
@@ -454,8 +444,6 @@ def c111(
         "share_of_spins_that_do_both": np.mean(narrower & frictionless),
         "share_of_spins_that_narrow_rolling": np.mean(narrower),
         "share_of_spins_without_friction": np.mean(frictionless),
-        "least_spin_over_speed_without_friction": spins[frictionless].min(initial=np.inf),
-        "greatest_spin_over_speed_that_narrows": spins[narrower].max(initial=-np.inf),
     }
 
 
@@ -478,7 +466,7 @@ def c78(
 
     def ratio(mean: float, sd: float) -> Mean:
         spun = replace(dropped, spin=InitialSpin(mean=mean, sd=sd))
-        return context.seen(spun, angle_deg, context.series).means["impulse_ratio"]
+        return context.series.seen(spun, angle_deg).means["impulse_ratio"]
 
     def lower_end(sd: float) -> float:
         mean = ratio(0.0, sd)
@@ -519,15 +507,13 @@ def c79(
         losses = [context.seen(at, angle).means["energy_loss"] for angle in angles_deg]
         return next(departures(angles_deg, losses, context.params.sampling), angles_deg[-1])
 
+    def nearest(name: str, spins: tuple[float, ...]) -> float:
+        angles = [departure(classes[name], spin) for spin in spins]
+        return min(angles, key=lambda angle: (abs(angle - departures_deg[name]), angle))
+
     alternatives = {"without spin": (0.0,), "with some spin": (0.0, *mean_spins)}
     return {
-        words: {
-            f"angle_of_departure_of_{name}_class": min(
-                (abs(angle - printed), angle)
-                for angle in (departure(classes[name], spin) for spin in spins)
-            )[1]
-            for name, printed in departures_deg.items()
-        }
+        words: {f"angle_of_departure_of_{name}_class": nearest(name, spins) for name in classes}
         for words, spins in alternatives.items()
     }
 
@@ -563,8 +549,7 @@ def c106(
     angle, steel = np.array(angles_deg)[:, None], context.steel
     share = np.power(np.sin(np.radians(angle)), friction_speed_exponent)
     rubbing = steel.replace(friction=steel.friction * share)
-    basis = context.params.steel.friction_basis
-    shallow, steep = simulate(rubbing, speed_m_per_s, angle, 0.0, basis).impulse_ratio
+    shallow, steep = context.hit(rubbing, speed_m_per_s, angle).impulse_ratio
     return {"difference_of_impulse_ratios": shallow - steep}
 
 
@@ -581,7 +566,7 @@ def c109(
 
     Events are those that the imaging system reports, by the model of its errors.
     """
-    params, contact = context.params, context.contact(dropped)
+    params, contact = context.params, context.sample(dropped).contact
     sampling = params.sampling
     stop = StopRule(events=sampling.events, fewest_events=2, most_dropped=most_dropped)
 
@@ -602,11 +587,15 @@ def c110(context: Context, *, rise_share: Positive, from_angle_deg: AngleDegrees
     """Largest angle at which -mu of a rebound exceeds that at 40 deg by a share."""
     steel, start = context.steel, from_angle_deg
     least = np.maximum(context.capture_angle(ABOVE_CAPTURE), FINE)
-    level = (1.0 + rise_share) * at_angles(context, steel, start).impulse_ratio
+
+    def ratio(angle: FloatArray) -> FloatArray:
+        return context.hit(steel, context.speed, angle).impulse_ratio
+
+    level = (1.0 + rise_share) * ratio(np.asarray(start))
 
     def first(steps: IntArray) -> tuple[IntArray, BoolArray]:
         """Return the first of steps (m, n) at which it has risen, and whether there is one."""
-        risen = at_angles(context, steel, angle(steps)).impulse_ratio >= level
+        risen = ratio(angle(steps)) >= level
         step = np.take_along_axis(steps, risen.argmax(axis=0)[None], axis=0)[0]
         return step, np.any(risen, axis=0)
 

@@ -66,7 +66,7 @@ def c19(context: Context) -> Numbers:
     Friction follows the declared force; beside it, that of Hertz.
     """
     impact = context.rebounds()
-    hertz = context.impacts(context.speed, context.all_angles(), 0.0, "hertz")
+    hertz = context.impacts(context.speed, context.all_angles(), "hertz")
     friction, free = context.steel.friction, ~impact.captured
     return {
         "largest_impulse_ratio_over_friction": greatest(impact.impulse_ratio, free) / friction,
@@ -110,8 +110,9 @@ def c21(context: Context, *, above_capture: Positive, rest_speed_m_per_s: Positi
 @claim("C22", by_contact=True)
 def c22(context: Context, *, spin_ratio: Finite) -> Numbers:
     """Signed impulse ratio of Eq. (2) at normal incidence with spin of either sign and without."""
-    spins = spin_ratio * np.array([1.0, -1.0, 0.0])
-    impact = context.impacts(context.speed, 90.0, spins, "compressive")
+    steel, spins = context.steel, spin_ratio * np.array([[1.0], [-1.0], [0.0]])
+    spin = spins * context.speed / steel.radius
+    impact = simulate(steel, context.speed, 90.0, spin, "compressive")
     positive, negative, none = -impact.impulse_ratio
     return {
         "signed_impulse_ratio_positive_spin": positive,
@@ -253,19 +254,15 @@ def c108(context: Context, *, attachment_damped: bool) -> Numbers:
 
     As the model supposes, with damping on rebound alone, and with damping on approach as well.
     """
-    supposed, damped = (
-        rebound_share(context, damped=damped) for damped in (attachment_damped, True)
-    )
+
+    def rebound_share(damped: bool) -> float:
+        contact = context.steel.replace(damped_attachment=damped)
+        path = trajectory(contact, context.speed, points=INSTANTS)
+        power = np.abs(path.adhesion_damping_force * path.velocity)
+        rebound = np.trapezoid(np.where(path.velocity > 0.0, power, 0.0), path.time)
+        return float(rebound / np.trapezoid(power, path.time))
+
     return {
-        "rebound_share_of_adhesion_loss": supposed,
-        "rebound_share_if_approach_is_damped": damped,
+        "rebound_share_of_adhesion_loss": rebound_share(attachment_damped),
+        "rebound_share_if_approach_is_damped": rebound_share(damped=True),
     }
-
-
-def rebound_share(context: Context, damped: bool) -> float:
-    """Return the share of the loss on rebound, with damping on approach as well or without."""
-    contact = context.steel.replace(damped_attachment=damped)
-    path = trajectory(contact, context.speed, points=INSTANTS)
-    power = np.abs(path.adhesion_damping_force * path.velocity)
-    rebound = np.trapezoid(np.where(path.velocity > 0.0, power, 0.0), path.time)
-    return float(rebound / np.trapezoid(power, path.time))

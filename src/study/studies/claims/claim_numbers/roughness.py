@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin
@@ -16,9 +17,7 @@ from microimpact.statistics.distributions import Constant, mean
 from study.declared.parameters import AngleDegrees, CaseName, Finite, Fraction, NonNegative
 from study.studies.analyses.roughness_expansions import EQUATIONS, FORMS, SlopedImpacts
 from study.studies.claims.claim_numbers.claim import claim
-from study.studies.claims.claim_numbers.context import Context, Numbers
-from study.studies.claims.claim_numbers.oblique import at_angles
-from study.studies.claims.claim_numbers.params import AngleRange, Angles, FacingDegrees
+from study.studies.claims.claim_numbers.context import AngleRange, Angles, Context, Numbers
 from study.studies.claims.claim_numbers.rigid_body import RESTITUTIONS
 from study.studies.claims.claim_numbers.spores import rise
 from study.studies.contacts import calibrated_contact
@@ -37,6 +36,7 @@ REFERENCE_DEG = 85.0
 
 Source = Literal["slope", "diameter", "speed", "spin"]
 SlopeForm = Literal["corrected", "printed"]
+FacingDegrees = Annotated[float, Field(gt=-90, lt=90)]
 
 
 @claim("C44")
@@ -218,7 +218,7 @@ def c95(context: Context, *, case: CaseName, angles_deg: AngleRange) -> Numbers:
     steel, supposed = context.steel, calibrated_contact(context.inputs, case)
 
     def relative(contact: Contact) -> FloatArray:
-        e = at_angles(context, contact, angle[:, None]).coefficient_of_restitution
+        e = context.hit(contact, context.speed, angle[:, None]).coefficient_of_restitution
         return np.asarray(e - e[-1])
 
     residual = np.max(np.abs(relative(steel) - relative(supposed)), axis=0)
@@ -259,7 +259,6 @@ def varied_restitution(
     context: Context, dropped: Dropped, sources: tuple[str, ...], angle: float
 ) -> float:
     """Return the mean measured restitution with only some sources of scatter."""
-    sampling = context.params.sampling
     if "spin" not in sources:
         dropped = replace(dropped, spin=NO_SPIN)
     if "slope" not in sources:
@@ -267,6 +266,6 @@ def varied_restitution(
     if "diameter" not in sources:
         dropped = replace(dropped, diameter_um=Constant(at=mean(dropped.diameter_um)))
     if "speed" not in sources:
-        still = replace(sampling.dispenser, exit_speed_m_per_s=0.0)
-        sampling = replace(sampling, dispenser=still)
-    return float(context.mean("restitution", dropped, angle, sampling).value)
+        still = replace(context.params.sampling.dispenser, exit_speed_m_per_s=0.0)
+        context = context.drawing(dispenser=still)
+    return float(context.mean("restitution", dropped, angle).value)

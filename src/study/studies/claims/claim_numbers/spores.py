@@ -12,13 +12,14 @@ from microimpact.core.arrays import FloatArray
 from microimpact.statistics.intervals import ERROR_BAR
 from study.declared.parameters import AngleDegrees, Name
 from study.studies.claims.claim_numbers.claim import claim
-from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers
-from study.studies.claims.claim_numbers.params import AngleRange, SteepToShallow
-from study.studies.experiments.mechanisms.spore import as_imaged
-from study.studies.samples import Dropped, Sample, Sampling
-
-# Events of the sample that the camera sees, and particles after which it is taken as it is.
-SEEN_EVENTS, MOST_DROPPED = 100, 12000
+from study.studies.claims.claim_numbers.context import (
+    AngleRange,
+    Context,
+    Estimate,
+    Numbers,
+    SteepToShallow,
+)
+from study.studies.samples import Dropped
 
 
 @claim("C17")
@@ -152,29 +153,22 @@ def c86(
             ),
             "measured_restitution_of_steel": measured,
             "measured_restitution_of_steel_below": below,
-            "slope_deviation_of_formica": steel.surface_slope,
         }
         for name, each in alternatives.items()
     }
 
 
-def rise(
-    context: Context,
-    quantity: str,
-    dropped: Dropped,
-    trend: tuple[float, float],
-    sampling: Sampling | None = None,
-) -> Estimate:
+def rise(context: Context, quantity: str, dropped: Dropped, trend: tuple[float, float]) -> Estimate:
     """Return the rise of a mean on Formica from steep to shallow, over its half-width."""
     steep, shallow = trend
-    return context.over_half_width(quantity, (dropped, shallow), (dropped, steep), sampling)
+    return context.over_half_width(quantity, (dropped, shallow), (dropped, steep))
 
 
 def lesser_rise(
     context: Context, quantity: str, samples: tuple[Dropped, Dropped], trend: tuple[float, float]
 ) -> Estimate:
     """Return the lesser rise of a mean, of steel and of one sort of spores."""
-    return min(rise(context, quantity, sample, trend, context.series) for sample in samples)
+    return min(rise(context.series, quantity, sample, trend) for sample in samples)
 
 
 def formica(context: Context, column: str, angles: ArrayLike | None = None) -> pd.Series:
@@ -188,7 +182,7 @@ def compared(
     """Return differences of a mean from an angle up, steel less spores, over half-widths."""
     angles = formica(context, f"{quantity}_difference").index
     return [
-        context.over_half_width(quantity, (steel, angle), (spore, angle), context.series)
+        context.series.over_half_width(quantity, (steel, angle), (spore, angle))
         for angle in angles[angles >= least]
     ]
 
@@ -222,12 +216,10 @@ def c88(context: Context, *, angles_deg: AngleRange) -> Numbers:
     losses, widths, errors = differences(context, "energy_loss", angles)
     apart, width, error = (values[0] for values in differences(context, "restitution", angles[:1]))
     change = Estimate(abs(losses[1]) - abs(losses[0]), np.hypot(*errors))
-    sines: FloatArray = np.sin(np.radians(angles))
     return {
         "shrinking_of_difference_of_losses_over_half_width": change / np.hypot(*widths),
         "ratio_of_differences_of_losses": losses[0] / losses[1],
         "difference_of_restitutions_over_half_width": Estimate(apart, error) / width,
-        "squared_ratio_of_sines": (sines[0] / sines[1]) ** 2,
     }
 
 
@@ -248,19 +240,14 @@ def differences(context: Context, quantity: str, angles: list[float]) -> list[Fl
 
 @claim("C89")
 def c89(context: Context, *, spore: Dropped, trend_deg: AngleRange) -> Numbers:
-    """Share of spores captured, or not seen by the camera, while restitution rises."""
+    """Share of spores captured while restitution rises."""
     shallow = trend_deg[1]
     captured, bias = (
         formica(context, f"spore_{name}", shallow)[shallow]
         for name in ("captured_share", "bias_of_conditional_mean")
     )
-    sample = Sample(dropped=spore, contact=context.contact(spore), sampling=context.series)
-    seen = as_imaged(
-        sample, shallow, context.params.camera, events=SEEN_EVENTS, most_dropped=MOST_DROPPED
-    )
     return {
         "captured_share": captured,
-        "rise_over_half_width": rise(context, "restitution", spore, trend_deg, context.series),
-        "share_not_observed": seen.captured_share,
+        "rise_over_half_width": rise(context.series, "restitution", spore, trend_deg),
         "bias_of_conditional_mean": bias,
     }
