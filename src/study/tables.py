@@ -170,10 +170,15 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.Dat
     except (UnicodeDecodeError, csv.Error) as error:
         raise TableError(f"{path}: no CSV table in UTF-8: {error}") from None
     table = computed(parse_table(text))
-    if columns is not None and list(table.columns) != list(columns):
+    if columns is not None:
+        _require_header(table, columns, path)
+    return table
+
+
+def _require_header(table: pd.DataFrame, columns: Sequence[str], path: Path | str) -> None:
+    if list(table.columns) != list(columns):
         names = f"{', '.join(table.columns)}; it must be {', '.join(columns)}"
         raise TableError(f"{path}: the header is {names}")
-    return table
 
 
 def read_figure_data(path: Path | str) -> pd.DataFrame:
@@ -186,7 +191,7 @@ def read_figure_data(path: Path | str) -> pd.DataFrame:
     table = read_table(path)
     x, y, *_ = [*table.columns[3:5], "x_", "y_"]
     columns = figure_columns(x[2:], y[2:])
-    check_columns(list(table.columns), columns, str(path))
+    _require_header(table, columns, path)
     for column in columns[3:5]:
         numbers = pd.to_numeric(table[column], errors="coerce")
         if numbers.isna().any():
