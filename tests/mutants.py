@@ -126,7 +126,7 @@ MUTANTS = (
         "microimpact/lab/ptis/errors.py",
         "each = [jitter * velocity, noise[0] * direction, noise[1] * aside]",
         "each = [0.0 * velocity, noise[0] * direction, noise[1] * aside]",
-        "lab/ptis/test_ptis_model article/test_ptis",
+        "lab/ptis/test_ptis_model",
     ),
     Mutant(
         "drop height: factor 2 missing",

@@ -70,9 +70,9 @@ use rule study as pair_search with:
 
 
 use rule study as track_imaging with:
-    """tables/ptis_*.csv: range, errors and losses of the imaging; data of ptis_frame, ptis_accuracy."""
+    """tables/ptis_range.csv: range and errors of the imaging; data of ptis_frame, ptis_accuracy."""
     output:
-        **tables("ptis_range", "ptis_views", "ptis_errors", "ptis_agreement", "ptis_losses"),
+        **tables("ptis_range"),
         **data("ptis_frame", "ptis_pixels", "ptis_accuracy"),
     pathvars:
         study="track_imaging",
@@ -161,15 +161,3 @@ use rule study as rival_explanations with:
         study="rival_explanations",
     params:
         **parameters("rival_explanations"),
-
-
-use rule study as laboratory_sensitivity with:
-    """tables/laboratory_sensitivity.csv: means with each declared spread halved and doubled."""
-    input:
-        **tables("calibration"),
-    output:
-        **tables("laboratory_sensitivity"),
-    pathvars:
-        study="laboratory_sensitivity",
-    params:
-        **parameters("laboratory_sensitivity"),

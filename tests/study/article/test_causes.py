@@ -1,4 +1,4 @@
-"""Mechanisms each alone, piles on the target, and the spreads of the laboratory."""
+"""Mechanisms each alone, and piles on the target."""
 
 from __future__ import annotations
 
@@ -102,24 +102,3 @@ def test_a_pile_does_not_need_capture_in_one_impact(piles):
     table = piles["pile_up"]
     assert (table["share_on_target"] >= table["share_captured_at_first_impact"]).all()
     assert table["mean_impacts"].max() < 30
-
-
-def test_spreads_of_the_laboratory(run_study, settings, calibration):
-    branch = settings.branches["laboratory_sensitivity"]
-    table = run_study(
-        "laboratory_sensitivity",
-        calibration,
-        impacts=400,
-        series={name: {} if n == 2 else None for n, name in enumerate(branch["series"])},
-        angles_deg=[45.0, 20.0],
-    )["laboratory_sensitivity"]
-    effect = table.set_index(["spread", "factor", "quantity", "angle_deg"]).sort_index()
-    # Where a sphere lands does not matter to its impact.
-    assert (effect.loc["lateral_position", "change"] == 0.0).all()
-    slope = effect.loc["surface_slope", 2.0, "restitution"].loc[20.0]
-    assert slope["change"] > 5.0 * slope["standard_error"]
-    less = effect.loc["surface_slope", 0.5, "restitution"].loc[20.0]
-    assert less["change"] < 0.0
-    # A tilted target: mu_m = mu - delta.
-    tilt = effect.loc["angle_error", 2.0, "impulse_ratio"]["change"]
-    np.testing.assert_allclose(tilt, -np.radians(0.25) * (1 + 0.35**2), rtol=0.15)

@@ -53,11 +53,6 @@ def test_printed_restitution_is_not_drawn_of_another_particle(run, settings):
             "angles_deg: must hold 38",
         ),
         (
-            "laboratory_sensitivity",
-            {"series": {"spore on Formica": {"spreads": ["exit"]}}},
-            "spreads",
-        ),
-        (
             "campaign",
             {"blocks": {"silicon, both sides": {"surfaces": ["silicon front"]}}},
             r"blocks: give \d+ experiments, not 187; .* as counted: change ",

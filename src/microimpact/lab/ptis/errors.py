@@ -3,7 +3,7 @@
 Which dashes a leg has follows from the geometry of the exposure, as in a frame: those that make a
 spot of their own, whole and by themselves. The velocities are those that the reduction finds from
 exact centroids, with the spread that noise of the centroids and jitter of the pulses give through
-the normal equations of the fit. Study `track_imaging` holds the model against rendered frames. All
+the normal equations of the fit. The tests hold the model against rendered frames. All
 events of an experiment are treated together, and none depends on the others.
 """
 

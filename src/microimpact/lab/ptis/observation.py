@@ -1,13 +1,13 @@
 """Observation by trajectory imaging: every impact to its fate, and to its velocities if measured.
 
-`modelled` is what experiments go by: the error model alone. `observe` renders and measures frames;
-the model is held against it.
+`modelled` is what experiments go by: the error model alone. `observe` renders and measures frames,
+against which the tests hold the model.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from microimpact.core.arrays import FloatArray
 from microimpact.lab.events import Impacts, Measured
-from microimpact.lab.ptis.errors import Expected, theory
+from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.exposure import CAPTURED, MEASURED, UNMEASURABLE, exposures, unseen
 from microimpact.lab.ptis.frames import photographs
 from microimpact.lab.ptis.system import Setup, Systematics, event_generator
@@ -28,7 +28,6 @@ class ImagedEvents:
 
     measured: Measured  # The events of which both legs were measured
     fates: tuple[str, ...]  # One word per impact: `MEASURED` or why not, n
-    expected: Expected | None = None  # Mean and spread of these events, by the error model
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,7 +86,7 @@ def modelled(
     measured = np.flatnonzero(reasons == MEASURED)
     normal = [event_draws[i].standard_normal((2, 2, 1)) for i in measured.tolist()]
     spread = np.linalg.cholesky(expected.covariance) @ np.reshape(normal, (-1, 2, 2, 1))
-    return replace(_observation(fates, expected.velocities + spread[..., 0]), expected=expected)
+    return _observation(fates, expected.velocities + spread[..., 0])
 
 
 def observe(impacts: Impacts, setup: Setup, errors: Systematics, rng: Generator) -> ImagedEvents:
