@@ -16,7 +16,7 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.statistics.distributions import TruncatedNormal, generator
 from study.studies.experiments.mechanisms.impulse_regions import regions
-from study.studies.experiments.mechanisms.speed_and_angle import rigid_loss
+from study.studies.experiments.mechanisms.loss import rigid_loss
 from study.studies.experiments.mechanisms.spin import rolling_limit
 from study.studies.experiments.mechanisms.spore import off_centre
 from study.studies.experiments.pile_up import onset

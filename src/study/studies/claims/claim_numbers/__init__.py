@@ -47,7 +47,6 @@ NEEDS = {
         "loss_resolution",
         "loss_slopes",
         "smooth_spore",
-        "speed_and_angle",
         "spin_needed",
         "spin_or_tilt",
         "spore_comparison",
