@@ -51,17 +51,11 @@ use rule study as oblique_experiments with:
 
 
 use rule study as pair_search with:
-    """tables/pairing_*.csv, surface_correction.csv, slow_rebounds.csv; data of doppler_pairs."""
+    """tables/pairing_quality.csv, surface_correction.csv; data of doppler_pairs."""
     input:
         **tables("calibration"),
     output:
-        **tables(
-            "pairing_quality",
-            "pairing_losses",
-            "pairing_controls",
-            "surface_correction",
-            "slow_rebounds",
-        ),
+        **tables("pairing_quality", "surface_correction"),
         **data("doppler_stream", "pairing_curves", "correction_curves"),
     pathvars:
         study="pair_search",

@@ -40,15 +40,10 @@ FATES = (
 class Quality:
     """How well the pairs of a stream agree with the ground truth."""
 
-    # Accepted pairs, those of them whose records are of one impact, and those of a later one.
-    pairs: int
-    true_pairs: int
-    later_pairs: int
+    pairs: int  # Accepted
+    true_pairs: int  # Those of them whose records are of one impact
     recorded_pairs: int  # Impacts of which both records exist
-    unpaired_incidents: int  # Falling records without a rebound: captured, or lost
-    # First impacts with a rebound, and those of them with an incident record.
-    rebounds: int
-    seen_rebounds: int
+    seen_rebounds: int  # First impacts with a rebound and an incident record
     fates: Mapping[str, int]  # Number of first impacts by `FATES`; they add up to all of them
 
     @property
@@ -88,15 +83,12 @@ class Observation:
     def quality(self) -> Quality:
         """Compare the pairs with the ground truth."""
         event, recorded = pair_events(self.pairing, self.truth), self.truth.recorded
-        rebounds = ~self.impacts.captured[: self.first]
+        first = slice(self.first)
         return Quality(
             pairs=len(event),
             true_pairs=int(np.sum(event >= 0)),
-            later_pairs=int(np.sum(event >= self.first)),
             recorded_pairs=int(np.sum(np.all(recorded, axis=0))),
-            unpaired_incidents=int(np.sum(self.stream.velocity < 0.0)) - len(event),
-            rebounds=int(np.sum(rebounds)),
-            seen_rebounds=int(np.sum(recorded[INCIDENT, : self.first] & rebounds)),
+            seen_rebounds=int(np.sum(recorded[INCIDENT, first] & ~self.impacts.captured[first])),
             fates=self._fates(event),
         )
 

@@ -36,8 +36,6 @@ class Pairing:
     height, height_error
         Of the probe volume and its standard error, m; the initial estimate and its uncertainty
         where there are too few pairs.
-    rounds
-        Searches made.
     converged
         Whether the last search found the same pairs as the one before.
     """
@@ -46,7 +44,6 @@ class Pairing:
     rebound: IntArray
     height: float
     height_error: float
-    rounds: int
     converged: bool
 
 
@@ -143,9 +140,9 @@ def search(stream: RecordStream, height: float, instrument: Analyser) -> Pairing
         Analyser, with its noise and windows.
     """
     initial = height, abs(instrument.initial_estimate_error) * height
-    estimate, pairs, converged, rounds = initial, None, False, 0
-    while not converged and rounds < MOST_ROUNDS:
-        before, pairs, rounds = pairs, assign(stream, *estimate, instrument), rounds + 1
+    estimate, pairs, converged = initial, None, False
+    for _ in range(MOST_ROUNDS):
+        before, pairs = pairs, assign(stream, *estimate, instrument)
         if len(pairs[0]) < FEWEST_PAIRS:
             estimate = initial
             break
@@ -153,13 +150,14 @@ def search(stream: RecordStream, height: float, instrument: Analyser) -> Pairing
         arguments = stream, np.stack(pairs), np.asarray(estimate[0]), instrument
         best, error = estimate_height(*arguments)
         estimate = float(best), float(error)
+        if converged:
+            break
     incident, rebound = pairs or (np.zeros(0, dtype=np.int64),) * 2
     return Pairing(
         incident=incident,
         rebound=rebound,
         height=estimate[0],
         height_error=estimate[1],
-        rounds=rounds,
         converged=converged,
     )
 
