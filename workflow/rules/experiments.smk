@@ -2,11 +2,10 @@
 
 
 use rule study as schematics with:
-    """data/fig01.csv ... fig22.csv: Figs. 1, 2, 3, 13, 19, 22; tables/schematic_values.csv."""
+    """data/fig01.csv ... fig22.csv: Figs. 1, 2, 3, 13, 19, 22."""
     input:
         **tables("calibration"),
     output:
-        **tables("schematic_values"),
         **data(
             "fig01",
             "fig02",
@@ -75,11 +74,11 @@ use rule study as track_imaging with:
 
 
 use rule study as campaign with:
-    """tables/campaign.csv: all 187 experiments; campaign_summary.csv; data of campaign_map."""
+    """tables/campaign.csv: all 187 experiments; data of campaign_map."""
     input:
         **tables("calibration"),
     output:
-        **tables("campaign", "campaign_summary"),
+        **tables("campaign"),
         **data("campaign_map"),
     pathvars:
         study="campaign",

@@ -36,11 +36,6 @@ def test_the_campaign_has_the_printed_numbers_of_experiments_and_levels(campaign
     assert rows["surface"].nunique() == 11
     assert rows["angle_deg"].nunique() == 14
     assert rows["nominal_speed_m_per_s"].nunique() == 14
-    summary = campaign["campaign_summary"].set_index("quantity")
-    for name in ("experiments", "diameter ranges", "surfaces", "angles", "speed ranges"):
-        assert summary.loc[name, "value"] == summary.loc[name, "printed"]
-    assert summary.loc["events", "value"] == rows["events"].sum()
-    assert not any("second" in name for table in campaign.values() for name in table.columns)
 
 
 def test_every_particle_has_one_fate(rows):

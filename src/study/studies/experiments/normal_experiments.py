@@ -135,18 +135,15 @@ def experiment_row(population: str, speed: float, outcome: Session) -> dict[str,
         "nominal_speed_m_per_s": speed,
         "speed_m_per_s": mean_and_error(-measured.normal[0])[0],
         "dropped": outcome.dropped,
-        "near_the_probe": len(truth),
         "events": len(measured),
         "captured": fates["captured"],
         "too_slow_for_the_probe": fates["rebound below probe"],
         "missed_the_probe": fates["incident missed probe"] + fates["rebound missed probe"],
         "precision": quality.precision,
-        "recall": quality.recall,
         "probe_height_found_mm": 1e3 * observation.pairing.height,
         "probe_height_true_mm": 1e3 * observation.height,
         **interval_columns(outcome.means, *QUANTITIES),
         "true_restitution_of_rebounds": mean_and_error(truth[truth > 0.0])[0],
-        "true_restitution_of_all": float(np.mean(truth)),
         "evidence": "virtual experiment",
     }
 
@@ -176,11 +173,10 @@ def size_effects(
             f"captured_{share}_percent_m_per_s": np.interp(
                 -share / 100.0, -curve.captured, curve.speed
             )
-            for share in (90, 50, 10)
+            for share in (50, 10)
         }
         yield (
             {"case": case, "population": name, "fallen_speed_m_per_s": fallen, **captured}
-            | {"restitution_at_0.75_m_per_s": np.interp(0.75, curve.speed, curve.rebounding)}
             | {"restitution_at_highest_speed": plateau, "evidence": "computed"}
         )
 
