@@ -191,11 +191,7 @@ FATES = {
 
 def fates_of(counted: Mapping[str, int]) -> dict[str, int]:
     """Return the number of particles by `FATES`; they add up to all dropped."""
-    # A reason may say more after a colon.
-    return {
-        kind: sum(n for word, n in counted.items() if word.partition(":")[0] in words)
-        for kind, words in FATES.items()
-    }
+    return {kind: sum(counted.get(word, 0) for word in words) for kind, words in FATES.items()}
 
 
 NEEDS = {"calibration": ("calibration",)}

@@ -24,7 +24,7 @@ from microimpact.lab.dispenser import Dispenser, Paths, arrivals
 from microimpact.lab.events import Impacts, IntArray
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.pdpa.analyser import Analyser, through_probe
-from microimpact.lab.pdpa.observation import Observation, observe, ratio
+from microimpact.lab.pdpa.experiment import Observation, observe, ratio
 from microimpact.lab.pdpa.pairing import Form, correct
 from microimpact.lab.surface import Rebound
 from microimpact.model.contact import Contact

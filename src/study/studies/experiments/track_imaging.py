@@ -14,8 +14,8 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.lab.events import Impacts
+from microimpact.lab.ptis.experiment import ImagedEvents, modelled, photographed
 from microimpact.lab.ptis.frames import render
-from microimpact.lab.ptis.observation import ImagedEvents, modelled, photographed
 from microimpact.lab.ptis.system import (
     ImagingSystem,
     Setup,
@@ -23,7 +23,7 @@ from microimpact.lab.ptis.system import (
     draw_systematics,
     event_generator,
 )
-from microimpact.lab.ptis.tracks import Rejection, Track, measure
+from microimpact.lab.ptis.tracks import Track, measure
 from microimpact.model.dynamics.impact import velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.statistics.distributions import generator
@@ -221,7 +221,8 @@ def search(params: Params) -> Iterator[dict[str, Any]]:
                 rows = []
                 for pitch in params.dash_pitches_px:
                     setup = _setup(params, speed, angle, pixel, pitch)
-                    seen = modelled(true, setup, EXACT, rng)
+                    draws = [event_generator(rng, i) for i in range(len(true))]
+                    seen = modelled(true, setup, EXACT, draws)
                     rows.append(_summary(params, setup, MODEL, seen, true))
                 yield max(rows, key=lambda row: float(row["fraction_observed"]))
 
@@ -303,7 +304,7 @@ def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
     for i in range(len(true)):
         frame = render(true, i, setup, errors, event_generator(rng, i))
         track = measure(frame, setup)
-        if not isinstance(track, Rejection):
+        if track:
             return pixels(frame, track, setup), drawn_track(track, setup)
     where = f"{case.speed_m_per_s:g} m/s and {case.angle_deg:g} deg"
     raise ValueError(f"frame: none of {len(true)} impacts at {where} can be measured")

@@ -12,7 +12,7 @@ from tests.microimpact.lab.pdpa.test_pdpa import DEFAULT, QUIET, impacts
 
 from microimpact.lab.bounces import with_later_impacts
 from microimpact.lab.pdpa.analyser import RecordStream, passages, records
-from microimpact.lab.pdpa.observation import FATES, observe, pair_events
+from microimpact.lab.pdpa.experiment import FATES, observe, pair_events
 from microimpact.lab.pdpa.pairing import (
     assign,
     correct,
