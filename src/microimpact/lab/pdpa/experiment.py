@@ -203,7 +203,7 @@ def collect(drop: Drop, instrument: Analyser, stop: StopRule, rng: Generator) ->
         batch = drop.impacts(number, batch_rng, within=REACH)
         batch = replace(batch, time=end + batch.time)
         bounce = drop.target.later(batch.diameter, batch_rng)
-        whole = with_later_impacts(batch, bounce, instrument.later_impacts)
+        whole = with_later_impacts(batch, bounce)
         first.append(batch)
         later.append(whole.select(slice(len(batch), None)))
         dropped, end = dropped + number, float(np.max(batch.time, initial=end))

@@ -309,7 +309,7 @@ def _centroid_variance(
     for row, bright in zip(rows, density, strict=True):
         signal = 0.5 * light * bright
         shot = (signal + instrument.background_counts) / instrument.electrons_per_count
-        noise = (least + shot) * (2.0 if instrument.interlace else 1.0)
+        noise = least + shot
         long = row.length + wide - FAINT_END * disk
         per_square = CENTROID_NOISE**2 * noise * long * wide / (12.0 * light**2)
         variances.append((per_square * long**2, per_square * wide**2))

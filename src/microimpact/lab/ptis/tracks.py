@@ -64,7 +64,7 @@ class Spots:
     Attributes
     ----------
     centroid
-        Centroid, column and row in lines of the camera, shape (n, 2).
+        Centroid, column and row, shape (n, 2).
     light
         Counts above the background.
     height
@@ -101,8 +101,7 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     grey = frame[row, column]
     weight = grey - background
     light = total(weight)
-    lines = setup.instrument.frame_px[1] // frame.shape[0]
-    points = np.stack([column, lines * row + 0.5 * (lines - 1)], axis=-1)
+    points = np.stack([column, row], axis=-1).astype(float)
     centroid = np.stack([total(weight * of) for of in points.T], axis=-1) / light[:, None]
     height, width = frame.shape
     edge = (row == 0) | (row == height - 1) | (column == 0) | (column == width - 1)

@@ -19,7 +19,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.constants import gravity
-from microimpact.lab.bounces import generations, with_later_impacts
+from microimpact.lab.bounces import LATER_IMPACTS, generations, with_later_impacts
 from microimpact.lab.dispenser import Dispenser, Paths, arrivals
 from microimpact.lab.events import Impacts, IntArray
 from microimpact.lab.experiment import Drop, Target
@@ -125,7 +125,7 @@ def observed(
     impacts = dropped(setup, speed, particles, keys[0], experiments)
     rng, drop = generator(setup.seed, *keys[1]), setup.drop(speed)
     later = drop.target.later(impacts.diameter, rng)
-    spheres, whole = zip(*generations(impacts, later, setup.instrument.later_impacts), strict=True)
+    spheres, whole = zip(*generations(impacts, later, LATER_IMPACTS), strict=True)
     followed = Impacts.joined(whole)
     experiment = np.concatenate(spheres) // particles
     parts = [followed.select(experiment == i) for i in range(experiments)]
@@ -230,7 +230,7 @@ def _measured(
         impacts, rebound_velocity=first.velocity, rebound_spin=first.spin, captured=first.captured
     )
     duration, rng = float(np.max(impacts.time)), generator(setup.seed, *key, 1)
-    followed = with_later_impacts(impacts, bounce, setup.instrument.later_impacts)
+    followed = with_later_impacts(impacts, bounce)
     observation = observe(followed, particles, duration, setup.instrument, rng)
     events = {form: observation.at_surface(form) for form in FORMS}
     return {

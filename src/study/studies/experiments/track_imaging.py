@@ -95,16 +95,12 @@ def impacts(
 
 def pixels(frame: NDArray[np.uint8], track: Track, setup: Setup) -> pd.DataFrame:
     """Return the grey levels around a track: one series per row, of the row's number."""
-    lines = setup.instrument.frame_px[1] // frame.shape[0]
     left, top, right, bottom = window(track, setup)
     columns = np.arange(left, right)
     of_row = partial(
         series_frame, "pixels", evidence="virtual experiment", x_unit="px", y_unit="counts"
     )
-    frames = [
-        of_row(str(row * lines), columns, frame[row, left:right])
-        for row in range(top // lines, bottom // lines)
-    ]
+    frames = [of_row(str(row), columns, frame[row, left:right]) for row in range(top, bottom)]
     return pd.concat(frames, ignore_index=True)
 
 

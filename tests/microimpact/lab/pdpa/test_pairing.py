@@ -44,7 +44,7 @@ def never(velocity, spin, sphere):
 
 
 def observed(some, later, duration, rng, **options):
-    everything = with_later_impacts(some, later, DEFAULT.later_impacts)
+    everything = with_later_impacts(some, later)
     return observe(everything, len(some), duration, DEFAULT, rng, **options)
 
 

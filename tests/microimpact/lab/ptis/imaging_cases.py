@@ -17,7 +17,6 @@ INSTRUMENT = ImagingSystem(
     frame_px=(640, 480),
     pixel_um=10.0,
     fields_per_s=60.0,
-    interlace=False,
     sheet_thickness_mm=1.0,
     slots=10,
     duty=0.5,

@@ -82,15 +82,14 @@ def test_pixels_that_touch_also_by_a_corner_are_one_patch(second, least, number)
     assert set(zip(row[core], column[core], strict=True)) == {(5, 5), second}
 
 
-@pytest.mark.parametrize("lines", [1, 2])
-def test_place_and_light_are_moments(lines):
-    setup, rng = setup_for(1.66, 60.0), generator(11, lines)
-    frame = np.full((480 // lines, 640), 20, dtype=np.uint8)
+def test_place_and_light_are_moments():
+    setup, rng = setup_for(1.66, 60.0), generator(11)
+    frame = np.full((480, 640), 20, dtype=np.uint8)
     block = rng.integers(150, 250, (7, 5))
     frame[60:67, 200:205] = block
     spots = find_spots(frame, setup)
     rows, columns = np.indices(block.shape)
-    y, x = lines * (60 + rows) + 0.5 * (lines - 1), 200 + columns
+    y, x = 60 + rows, 200 + columns
     light = block - 20.0
     place = [np.average(axis, weights=light) for axis in (x, y)]
     assert spots.light == pytest.approx([light.sum()])
