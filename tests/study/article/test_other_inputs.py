@@ -65,6 +65,17 @@ def test_printed_restitution_is_not_drawn_of_another_particle(run, settings):
             {"cases": dict.fromkeys(("smooth, oblique", "rough, oblique", "slow, oblique"))},
             "one at another angle",
         ),
+        ("oblique_experiments", {"compared_series": "2 m/s"}, "compared_series: '2 m/s' must be"),
+        (
+            "oblique_experiments",
+            {"compared_with_all": ["2 m/s"]},
+            "all: '2 m/s' must be",
+        ),
+        (
+            "oblique_experiments",
+            {"series": {"silicon front": {"figures": ["fig99"]}}},
+            "figures: 'fig99' must be one of fig06",
+        ),
         (
             "pair_search",
             {"dispenser": {"lateral_position_mm": 50.0}, "particles": 2, "experiments": 2},

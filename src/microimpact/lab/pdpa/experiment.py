@@ -56,16 +56,6 @@ class Quality:
     seen_rebounds: int  # First impacts with a rebound and an incident record
     fates: Mapping[str, int]  # Number of first impacts by `FATES`; they add up to all of them
 
-    @property
-    def precision(self) -> float:
-        """Share of the accepted pairs that are of one impact; nan without a pair."""
-        return ratio(self.true_pairs, self.pairs)
-
-    @property
-    def recall(self) -> float:
-        """Share found of the impacts of which both records exist; nan without any."""
-        return ratio(self.true_pairs, self.recorded_pairs)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Observation:
@@ -173,14 +163,7 @@ def ratio(part: float, whole: float) -> float:
     return part / whole if whole else float("nan")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Session(Outcome):
-    """One experiment, with all that the analyser makes of it."""
-
-    observation: Observation
-
-
-def collect(drop: Drop, instrument: Analyser, stop: StopRule, rng: Generator) -> Session:
+def collect(drop: Drop, instrument: Analyser, stop: StopRule, rng: Generator) -> Outcome:
     """Drop particles on a horizontal target until enough events are accepted, or give up.
 
     After every batch all records so far are searched for pairs: which belong together, and how
@@ -215,14 +198,13 @@ def collect(drop: Drop, instrument: Analyser, stop: StopRule, rng: Generator) ->
         measured = events.select(np.flatnonzero(drop.in_class(events.speed))[: stop.events])
         if stop.ended(len(measured), dropped):
             break
-    return Session(
+    return Outcome(
         measured=measured,
         impacts=impacts,
         first=arrived,
         dropped=dropped,
         fates={**seen.quality.fates, UNREACHED: dropped - arrived},
         means=reduced(measured, moved, seen.pairing.height_error, stop.fewest_events, QUANTITIES),
-        observation=seen,
     )
 
 

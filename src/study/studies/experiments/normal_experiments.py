@@ -13,9 +13,9 @@ import pandas as pd
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.dispenser import Dispenser
-from microimpact.lab.experiment import Drop, StopRule, Target
+from microimpact.lab.experiment import Drop, Outcome, StopRule, Target
 from microimpact.lab.pdpa.analyser import Analyser
-from microimpact.lab.pdpa.experiment import QUANTITIES, Session, collect
+from microimpact.lab.pdpa.experiment import QUANTITIES, collect
 from microimpact.lab.reduction import interval_columns
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
@@ -111,7 +111,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
 
 
-def experiment(params: Params, population: Population, speed: float, contact: Contact) -> Session:
+def experiment(params: Params, population: Population, speed: float, contact: Contact) -> Outcome:
     """Return one experiment: its first accepted events near the nominal speed are averaged."""
     window = params.speed_window
     drop = Drop(
@@ -124,12 +124,10 @@ def experiment(params: Params, population: Population, speed: float, contact: Co
     return collect(drop, params.instrument, params.stop, generator(params.seed, *drop.key))
 
 
-def experiment_row(population: str, speed: float, outcome: Session) -> dict[str, Any]:
+def experiment_row(population: str, speed: float, outcome: Outcome) -> dict[str, Any]:
     """Return one experiment as a row of the table: losses, measured means, and truth."""
-    observation, fates, measured = outcome.observation, outcome.fates, outcome.measured
-    quality = observation.quality
-    first = outcome.first_impacts.in_plane
-    truth = first.coefficient_of_restitution
+    measured, fates = outcome.measured, outcome.fates
+    truth = outcome.first_impacts.in_plane.coefficient_of_restitution
     return {
         "population": population,
         "nominal_speed_m_per_s": speed,
@@ -139,9 +137,6 @@ def experiment_row(population: str, speed: float, outcome: Session) -> dict[str,
         "captured": fates["captured"],
         "too_slow_for_the_probe": fates["rebound below probe"],
         "missed_the_probe": fates["incident missed probe"] + fates["rebound missed probe"],
-        "precision": quality.precision,
-        "probe_height_found_mm": 1e3 * observation.pairing.height,
-        "probe_height_true_mm": 1e3 * observation.height,
         **interval_columns(outcome.means, *QUANTITIES),
         "true_restitution_of_rebounds": mean_and_error(truth[truth > 0.0])[0],
         "evidence": "virtual experiment",
