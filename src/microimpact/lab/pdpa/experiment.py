@@ -63,7 +63,6 @@ class Observation:
 
     impacts: Impacts  # First and later impacts
     first: int  # Number of first impacts
-    height: float  # True height of the probe volume, m
     # Passages through the probe volume, the records, what they are of, and the pairs found.
     crossing: Passages
     stream: RecordStream
@@ -135,15 +134,13 @@ def observe(
         Height from which the spheres fall, m; spheres from below the probe volume rise into it
         but do not fall through it.
     """
-    height = true_height(instrument, rng)
     fall = np.full(len(impacts), np.inf)
     fall[:first] = drop_height
-    crossing = passages(impacts, height, instrument, fall)
+    crossing = passages(impacts, true_height(instrument, rng), instrument, fall)
     stream, truth = records(crossing, duration, instrument, rng)
     return Observation(
         impacts=impacts,
         first=first,
-        height=height,
         crossing=crossing,
         stream=stream,
         truth=truth,
