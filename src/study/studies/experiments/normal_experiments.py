@@ -41,6 +41,8 @@ Drawn = tuple[FloatArray, FloatArray]
 
 # Where more are captured, the mean of the few that rebound is not drawn.
 HIDDEN_SHARE = 0.9
+# Of the plateau, where restitution has visibly fallen.
+PLATEAU_SHARE = 0.9
 # Quantiles of each sieve class.
 SIZES = 200
 
@@ -66,7 +68,6 @@ class Params:
     dispenser: Dispenser
     instrument: Analyser
     points: Points
-    plateau_share: Fraction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,7 +108,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         "fig04": figure_data(params, "restitution", table, drawn, printed),
         "fig05": figure_data(params, "energy_loss", table, series, printed, lambda e: 1.0 - e**2),
         "normal_experiments": table,
-        "size_effects": pd.DataFrame(size_effects(params, curves)),
+        "size_effects": pd.DataFrame(size_effects(curves)),
     }
 
 
@@ -156,13 +157,11 @@ def sieve_curve(params: Params, population: Population, contact: Contact) -> Cur
     return Curve(speed=speed, rebounding=rebounding, captured=np.mean(captured, axis=1))
 
 
-def size_effects(
-    params: Params, curves: Mapping[tuple[str, str], Curve]
-) -> Iterator[dict[str, Any]]:
+def size_effects(curves: Mapping[tuple[str, str], Curve]) -> Iterator[dict[str, Any]]:
     """Yield where restitution has fallen to a share of its plateau, and the width of capture."""
     for (case, name), curve in curves.items():
         plateau = float(curve.rebounding[-1])
-        low = np.flatnonzero(curve.rebounding < params.plateau_share * plateau)
+        low = np.flatnonzero(curve.rebounding < PLATEAU_SHARE * plateau)
         fallen = float(curve.speed[low[-1]]) if low.size else np.nan
         captured = {
             f"captured_{share}_percent_m_per_s": np.interp(

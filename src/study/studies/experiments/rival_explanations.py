@@ -22,7 +22,6 @@ from study.declared.parameters import (
     CaseName,
     Fraction,
     NonNegative,
-    OpenShare,
     Positive,
     PrintedName,
 )
@@ -45,6 +44,8 @@ _frame = partial(series_frame, panel="restitution", x_unit="m_per_s", y_unit="1"
 
 # Smooth curves.
 POINTS = 200
+# Of the plateau, where restitution has visibly fallen.
+PLATEAU_SHARE = 0.9
 # Molar gas constant (J/mol/K), room temperature (K); air, and water there, in SI units.
 GAS, ROOM = 8.314462618, 293.15
 AIR = {"molar_mass": 0.028965, "viscosity": 1.81e-5}
@@ -68,9 +69,7 @@ class Params:
     diameters_um: tuple[Positive, Positive]  # Mean spheres of two classes, the smaller first
     probe_height_mm: Positive  # Of the probe; speeds are not corrected for it
     restitution: Annotated[Fraction, Field(gt=0)]  # Of the rival, and of the plateau
-    # Share of the plateau to which restitution falls, and the fastest speed of it.
-    plateau_share: OpenShare
-    seen_from_m_per_s: Positive
+    seen_from_m_per_s: Positive  # Fastest speed of the plateau
     # Of the figure: ends, and points of a curve.
     speeds_m_per_s: tuple[Positive, Positive]
     # Oblique impacts, by the printed value of their restitution: angle and total speed. These are
@@ -244,7 +243,7 @@ def fallen_speed(params: Params, contact: Contact) -> float:
     speed = np.geomspace(*params.speeds_m_per_s, 20 * POINTS)
     e = simulate(contact, speed).coefficient_of_restitution
     plateau = float(simulate(contact, params.seen_from_m_per_s).coefficient_of_restitution)
-    below = speed[(e < params.plateau_share * plateau) & (speed < params.seen_from_m_per_s)]
+    below = speed[(e < PLATEAU_SHARE * plateau) & (speed < params.seen_from_m_per_s)]
     if below.size == 0:
         raise ValueError("speeds_m_per_s: restitution does not fall at any of them")
     return float(below.max())

@@ -39,6 +39,8 @@ from study.tables import Tables, not_computed, reason, series_frame
 
 LEGS = ("incident", "rebound")
 
+# A speed can be measured, if slowly, with this share of the events observed, and up to this bias.
+LEAST_OBSERVED, LARGEST_BIAS = 0.1, 0.02
 # Dashes of each leg that are shown, room around them, px, and points of a fitted path.
 SHOWN = 5
 MARGIN_PX = 12
@@ -161,10 +163,10 @@ class Incidence:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Ranges that are searched, and the share of events that counts as measurable.
+    """Ranges that are searched for what is measurable.
 
-    A field of view covers a speed if at least `least_observed` of the events show enough dashes in
-    both legs and the mean speed is off by at most `largest_bias`. The chopper is set to each of
+    A field of view covers a speed if at least `LEAST_OBSERVED` of the events show enough dashes in
+    both legs and the mean speed is off by at most `LARGEST_BIAS`. The chopper is set to each of
     `dash_pitches_px` and the best is taken. Frames are rendered for the best field of view at
     `drawn_angle_deg`.
     """
@@ -178,8 +180,6 @@ class Params:
     dash_pitches_px: tuple[Positive, ...]
     modelled_events: Annotated[int, Field(ge=2)]
     rendered_events: Annotated[int, Field(ge=2)]
-    least_observed: Fraction
-    largest_bias: Fraction
     drawn_angle_deg: Annotated[ObliqueDegrees, Must("one of", "angles_deg")]
     events: Count  # Impacts tried for the frame that is shown
     frame: Incidence
@@ -219,7 +219,7 @@ def search(params: Params) -> Iterator[dict[str, Any]]:
                     setup = _setup(params, speed, angle, pixel, pitch)
                     draws = [event_generator(rng, i) for i in range(len(true))]
                     seen = modelled(true, setup, EXACT, draws)
-                    rows.append(_summary(params, setup, MODEL, seen, true))
+                    rows.append(_summary(setup, MODEL, seen, true))
                 yield max(rows, key=lambda row: float(row["fraction_observed"]))
 
 
@@ -238,9 +238,7 @@ def _arriving(
     return true, generator(params.seed, *key, 1)
 
 
-def _summary(
-    params: Params, setup: Setup, method: str, observation: ImagedEvents, true: Impacts
-) -> dict[str, Any]:
+def _summary(setup: Setup, method: str, observation: ImagedEvents, true: Impacts) -> dict[str, Any]:
     measured = observation.measured
     row: dict[str, Any] = {
         "speed_m_per_s": setup.speed,
@@ -261,8 +259,8 @@ def _summary(
         row[f"{leg}_speed_error"] = float(np.mean(error)) if error.size else np.nan
         row[f"{leg}_speed_error_sd"] = float(np.std(error, ddof=1)) if error.size > 1 else np.nan
     bias = max(abs(row[f"{leg}_speed_error"]) for leg in LEGS)
-    enough = row["fraction_observed"] >= params.least_observed
-    return {**row, "covered": bool(enough and bias <= params.largest_bias)}
+    enough = row["fraction_observed"] >= LEAST_OBSERVED
+    return {**row, "covered": bool(enough and bias <= LARGEST_BIAS)}
 
 
 def rendered_range(params: Params, searched: pd.DataFrame) -> list[dict[str, Any]]:
@@ -277,7 +275,7 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> list[dict[str, Any
         frames = photographed(true, setup, EXACT, rng)
         for method, with_gravity in ((FRAMES, True), (STRAIGHT, False)):
             seen = frames.reduced(setup, with_gravity=with_gravity)
-            rows.append(_summary(params, setup, method, seen, true))
+            rows.append(_summary(setup, method, seen, true))
     if not rows:
         raise ValueError(
             f"drawn_angle_deg: at {params.drawn_angle_deg:g} deg no speed is measurable"
