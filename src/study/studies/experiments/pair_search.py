@@ -173,6 +173,7 @@ def surface_correction(setup: Apparatus, params: Correction) -> Iterator[Row]:
             "speed_m_per_s": speed,
             "restitution": e,
             "probe_height_mm": height,
+            "quantity": "e",
             "events": len(measured["exact"]),
             "closed_form": closed_form(speed, e, 1e-3 * height),
         }
