@@ -163,7 +163,7 @@ class Incidence:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Ranges that are searched for what is measurable.
+    """Ranges of speed, angle and field of view that are searched.
 
     A field of view covers a speed if at least `LEAST_OBSERVED` of the events show enough dashes in
     both legs and the mean speed is off by at most `LARGEST_BIAS`. The chopper is set to each of
