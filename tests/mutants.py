@@ -66,7 +66,7 @@ MUTANTS = [Mutant(*row) for row in (
     ("tracks: gravity gains speed after the surface", "microimpact/lab/ptis/tracks.py",
      "self.velocity - self.contact", "self.velocity + self.contact", "lab/ptis/test_tracks"),
     ("error model of imaging: no jitter of the pulses", "microimpact/lab/ptis/errors.py",
-     "[jitter * velocity", "[0.0 * velocity", "lab/ptis/test_ptis_model article/test_ptis"),
+     "[jitter * velocity", "[0.0 * velocity", "lab/ptis/test_ptis_model"),
     ("drop height: factor 2 missing", "microimpact/lab/dispenser.py",
      "/ (2.0 * gravity)", "/ gravity", "lab/test_dispenser"),
     ("sum of twelve numbers: mean 6 left in", "microimpact/statistics/sampling.py",

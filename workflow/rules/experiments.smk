@@ -2,11 +2,10 @@
 
 
 use rule study as schematics with:
-    """data/fig01.csv ... fig22.csv: Figs. 1, 2, 3, 13, 19, 22; tables/schematic_values.csv."""
+    """data/fig01.csv ... fig22.csv: Figs. 1, 2, 3, 13, 19, 22."""
     input:
         **tables("calibration"),
     output:
-        **tables("schematic_values"),
         **data(
             "fig01",
             "fig02",
@@ -51,17 +50,11 @@ use rule study as oblique_experiments with:
 
 
 use rule study as pair_search with:
-    """tables/pairing_*.csv, surface_correction.csv, slow_rebounds.csv; data of doppler_pairs."""
+    """tables/pairing_quality.csv, surface_correction.csv; data of doppler_pairs."""
     input:
         **tables("calibration"),
     output:
-        **tables(
-            "pairing_quality",
-            "pairing_losses",
-            "pairing_controls",
-            "surface_correction",
-            "slow_rebounds",
-        ),
+        **tables("pairing_quality", "surface_correction"),
         **data("doppler_stream", "pairing_curves", "correction_curves"),
     pathvars:
         study="pair_search",
@@ -70,9 +63,9 @@ use rule study as pair_search with:
 
 
 use rule study as track_imaging with:
-    """tables/ptis_*.csv: range, errors and losses of the imaging; data of ptis_frame, ptis_accuracy."""
+    """tables/ptis_range.csv: range and errors of the imaging; data of ptis_frame, ptis_accuracy."""
     output:
-        **tables("ptis_range", "ptis_views", "ptis_errors", "ptis_agreement", "ptis_losses"),
+        **tables("ptis_range"),
         **data("ptis_frame", "ptis_pixels", "ptis_accuracy"),
     pathvars:
         study="track_imaging",
@@ -81,11 +74,11 @@ use rule study as track_imaging with:
 
 
 use rule study as campaign with:
-    """tables/campaign.csv: all 187 experiments; campaign_summary.csv; data of campaign_map."""
+    """tables/campaign.csv: all 187 experiments; data of campaign_map."""
     input:
         **tables("calibration"),
     output:
-        **tables("campaign", "campaign_summary"),
+        **tables("campaign"),
         **data("campaign_map"),
     pathvars:
         study="campaign",
@@ -114,19 +107,15 @@ use rule study as mechanisms with:
         **tables(
             "spin_mechanism",
             "spin_needed",
-            "rolling_limits",
             "spin_or_tilt",
             "slope_mechanism",
             "surface_pairs",
-            "slope_needed",
             "formica_mechanism",
             "spore_mechanism",
             "spore_trends",
             "spore_comparison",
             "smooth_spore",
             "adhesion_or_roughness",
-            "speed_and_angle",
-            "impulse_regions",
             "loss_slopes",
             "loss_resolution",
         ),
@@ -161,15 +150,3 @@ use rule study as rival_explanations with:
         study="rival_explanations",
     params:
         **parameters("rival_explanations"),
-
-
-use rule study as laboratory_sensitivity with:
-    """tables/laboratory_sensitivity.csv: means with each declared spread halved and doubled."""
-    input:
-        **tables("calibration"),
-    output:
-        **tables("laboratory_sensitivity"),
-    pathvars:
-        study="laboratory_sensitivity",
-    params:
-        **parameters("laboratory_sensitivity"),

@@ -12,6 +12,9 @@ from microimpact.core.constants import gravity
 from microimpact.lab.events import Falling, Impacts, IntArray
 from microimpact.lab.experiment import Later, impacts_of
 
+# Later bounces are slower than the height of the probe volume allows.
+LATER_IMPACTS = 5
+
 
 def generations(
     impacts: Impacts, later: Later, limit: int, farthest: float = np.inf
@@ -51,7 +54,7 @@ def generations(
         yield sphere, last
 
 
-def with_later_impacts(impacts: Impacts, later: Later, limit: int) -> Impacts:
+def with_later_impacts(impacts: Impacts, later: Later, limit: int = LATER_IMPACTS) -> Impacts:
     """Return first impacts, and after them the later ones.
 
     Parameters

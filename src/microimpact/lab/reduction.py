@@ -26,8 +26,6 @@ class Mean:
     ----------
     value, low, high
         Mean and ends of the interval.
-    events
-        Number of events averaged.
     sd
         Standard deviation of the events.
     systematic
@@ -37,31 +35,27 @@ class Mean:
     value: float
     low: float
     high: float
-    events: int
     sd: float
     systematic: float
 
 
 # Of too few events, and an exactly known number to compare with.
-NO_MEAN = Mean(**dict.fromkeys(("value", "low", "high", "sd", "systematic"), np.nan), events=0)
-EXACT = Mean(**dict.fromkeys(Mean.__dataclass_fields__, 0))
+NO_MEAN, EXACT = (Mean(**dict.fromkeys(Mean.__dataclass_fields__, x)) for x in (np.nan, 0.0))
 
 
-def mean_interval(values: ArrayLike, systematic: ArrayLike = 0.0, level: float = 0.95) -> Mean:
-    """Return the mean of the events and its interval.
+def mean_interval(values: ArrayLike, systematic: float = 0.0) -> Mean:
+    """Return the mean of the events and its 95 % interval.
 
-    The half width is ``t sqrt(s^2/n + sum B_i^2)``: finite sampling and measurement noise show in
-    the scatter s of the events; errors that an experiment shares do not, and enter by their
-    standard uncertainty B_i.
+    The half width is ``t sqrt(s^2/n + B^2)``: finite sampling and measurement noise show in the
+    scatter s of the events; errors that an experiment shares do not, and enter by their standard
+    uncertainty B.
 
     Parameters
     ----------
     values
         Of the events, shape (n,).
     systematic
-        Standard uncertainties of the mean from errors shared by all events, any shape.
-    level
-        Probability that the interval holds the true mean.
+        Standard uncertainty of the mean from errors shared by all events.
 
     Raises
     ------
@@ -73,11 +67,10 @@ def mean_interval(values: ArrayLike, systematic: ArrayLike = 0.0, level: float =
     if n < FEWEST_EVENTS:
         raise ValueError(f"an interval needs at least {FEWEST_EVENTS} events, got {n}")
     sd = float(np.std(values, ddof=1))
-    shared = float(np.sqrt(np.sum(np.square(np.asarray(systematic, dtype=float)))))
-    half = float(student_half_width(sd, n, shared, level))
+    half = float(student_half_width(sd, n, systematic))
     centre = float(np.mean(values))
     low, high = centre - half, centre + half
-    return Mean(value=centre, low=low, high=high, events=n, sd=sd, systematic=shared)
+    return Mean(value=centre, low=low, high=high, sd=sd, systematic=systematic)
 
 
 def quantities(measured: Measured | Impact) -> dict[str, FloatArray]:
@@ -128,7 +121,7 @@ def reduced(
     if len(measured) < fewest:
         return dict.fromkeys(names, NO_MEAN)
     values, systematic = quantities(measured), shared_error(measured, shifted, error)
-    return {name: mean_interval(values[name], systematic[name]) for name in names}
+    return {name: mean_interval(values[name], float(systematic[name])) for name in names}
 
 
 def interval_columns(

@@ -32,7 +32,7 @@ def test_errors_that_all_events_share_are_not_averaged_away():
     alone = student_half_width(scatter, 10)
     assert student_half_width(scatter, 10, 4.0) == pytest.approx(5.0 / 3.0 * alone)
     values = np.array([1.0, 2.0, 4.0])
-    both = mean_interval(values, systematic=[0.3, 0.4])
+    both = mean_interval(values, systematic=0.5)
     expected = student_half_width(both.sd, 3, 0.5)
     assert both.high - both.value == pytest.approx(float(expected))
 

@@ -47,7 +47,6 @@ WRONG = [
     ("pile_up", "speeds_m_per_s", [0.3, 0.2], "must ascend"),
     ("pile_up", "drawn_radius_mm", 4.0, "must be one of"),
     ("mechanisms", "spore.angles_deg", [85, 45, 20, 15, 10, 5], "angles_deg: must hold 38"),
-    ("laboratory_sensitivity", "series.spore on Formica.spreads", ["exit"], "spreads"),
     ("campaign", "blocks.silicon, both sides.surfaces", ["silicon front"],
      r"blocks: give \d+ experiments, not 187; .* as counted: change "),
     ("interval_coverage", "experiments", 1, r"interval_coverage\.experiments: "),

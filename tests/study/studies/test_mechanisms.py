@@ -15,9 +15,8 @@ from microimpact.lab.reduction import EXACT
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.statistics.distributions import TruncatedNormal, generator
-from study.studies.experiments.laboratory_sensitivity import change
 from study.studies.experiments.mechanisms.impulse_regions import regions
-from study.studies.experiments.mechanisms.speed_and_angle import rigid_loss
+from study.studies.experiments.mechanisms.loss import rigid_loss
 from study.studies.experiments.mechanisms.spin import rolling_limit
 from study.studies.experiments.mechanisms.spore import off_centre
 from study.studies.experiments.pile_up import onset
@@ -160,19 +159,3 @@ def test_onset_is_the_last_crossing():
     assert onset(speed, np.array([0.9, 0.6, 0.4, 0.0]), 0.5) == pytest.approx(0.25)
     assert np.isnan(onset(speed, np.zeros(4), 0.5))
     assert np.isnan(onset(speed, np.ones(4), 0.5))
-
-
-def test_change_of_a_mean_and_its_error():
-    rng = generator(3)
-    values = rng.standard_normal(4000)
-    shifted = change(values, values + 0.01)
-    assert shifted["change"] == pytest.approx(0.01)
-    assert shifted["standard_error"] < 1e-12  # common random numbers
-    other = change(values, rng.standard_normal(4000))
-    assert other["standard_error"] == pytest.approx(np.sqrt(2 / 4000), rel=0.05)
-    # Those that drop out change the mean of the rest.
-    kept = np.where(values > 1.0, np.nan, values)
-    lost = change(values, kept)
-    assert lost["change"] == pytest.approx(np.nanmean(kept) - values.mean())
-    assert lost["standard_error"] > 1e-3
-    assert np.isnan(change(values, np.full(4000, np.nan))["change"])

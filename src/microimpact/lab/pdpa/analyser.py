@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
-from annotated_types import Ge, Gt, Lt
+from annotated_types import Gt, Lt
 from numpy.random import Generator
 
 from microimpact.core.arrays import BoolArray, Columns, FloatArray, Real
@@ -54,10 +54,6 @@ class Analyser:
         middle, most near its edge, where the signal is short.
     false_records_per_s, false_speed_m_per_s, false_diameters_um
         Rate of records of noise, uniform up to this speed either way and between two diameters.
-    later_impacts
-        How often a sphere is followed back to the surface.
-    gate
-        Half width of the windows in which a pair is sought, in standard deviations.
     """
 
     probe_height_mm: Positive
@@ -76,8 +72,6 @@ class Analyser:
     false_records_per_s: NonNegative
     false_speed_m_per_s: Positive
     false_diameters_um: PositiveRange
-    later_impacts: Annotated[int, Ge(0)]
-    gate: Positive
 
     def __post_init__(self) -> None:
         """Refuse a probe volume that may come to lie in the surface."""

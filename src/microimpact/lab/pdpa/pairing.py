@@ -21,6 +21,8 @@ from microimpact.lab.pdpa.analyser import Analyser, RecordStream
 # With fewer pairs than this, h is left as it is: they may all be accidental.
 FEWEST_PAIRS = 3
 MOST_ROUNDS = 30
+# Half width of the windows in which a pair is sought, in standard deviations: they lose 0.3 %.
+GATE = 3.0
 
 Form = Literal["exact", "printed"]
 
@@ -36,8 +38,6 @@ class Pairing:
     height, height_error
         Of the probe volume and its standard error, m; the initial estimate and its uncertainty
         where there are too few pairs.
-    rounds
-        Searches made.
     converged
         Whether the last search found the same pairs as the one before.
     """
@@ -46,7 +46,6 @@ class Pairing:
     rebound: IntArray
     height: float
     height_error: float
-    rounds: int
     converged: bool
 
 
@@ -140,12 +139,12 @@ def search(stream: RecordStream, height: float, instrument: Analyser) -> Pairing
     height
         Initial estimate of the height, m, wrong by about ``initial_estimate_error``.
     instrument
-        Analyser, with its noise and windows.
+        Analyser, with its noise.
     """
     initial = height, abs(instrument.initial_estimate_error) * height
-    estimate, pairs, converged, rounds = initial, None, False, 0
-    while not converged and rounds < MOST_ROUNDS:
-        before, pairs, rounds = pairs, assign(stream, *estimate, instrument), rounds + 1
+    estimate, pairs, converged = initial, None, False
+    for _ in range(MOST_ROUNDS):
+        before, pairs = pairs, assign(stream, *estimate, instrument)
         if len(pairs[0]) < FEWEST_PAIRS:
             estimate = initial
             break
@@ -153,13 +152,14 @@ def search(stream: RecordStream, height: float, instrument: Analyser) -> Pairing
         arguments = stream, np.stack(pairs), np.asarray(estimate[0]), instrument
         best, error = estimate_height(*arguments)
         estimate = float(best), float(error)
+        if converged:
+            break
     incident, rebound = pairs or (np.zeros(0, dtype=np.int64),) * 2
     return Pairing(
         incident=incident,
         rebound=rebound,
         height=estimate[0],
         height_error=estimate[1],
-        rounds=rounds,
         converged=converged,
     )
 
@@ -214,7 +214,7 @@ def assign(
     height_error
         Its standard error, m.
     instrument
-        Analyser, with its noise and windows.
+        Analyser, with its noise.
     """
     incident, rebound = _candidates(stream, height, height_error, instrument)
     falling, rising = stream.velocity[incident], stream.velocity[rebound]
@@ -223,9 +223,9 @@ def assign(
     lateness = late / np.hypot(noise, slope * height_error)
     sizes = np.hypot(*(instrument.diameter_noise(stream.diameter[i]) for i in (incident, rebound)))
     growth = np.log(stream.diameter[rebound] / stream.diameter[incident]) / sizes
-    inside = (np.abs(growth) < instrument.gate) & (np.abs(lateness) < instrument.gate)
+    inside = (np.abs(growth) < GATE) & (np.abs(lateness) < GATE)
     cost = np.square(growth[inside]) + np.square(lateness[inside])
-    chosen = matched(incident[inside], rebound[inside], 2.0 * instrument.gate**2 - cost)
+    chosen = matched(incident[inside], rebound[inside], 2.0 * GATE**2 - cost)
     first, second = incident[inside][chosen], rebound[inside][chosen]
     order = np.lexsort((second, stream.time[first]))
     return first[order], second[order]
@@ -238,11 +238,11 @@ def _candidates(
     down, up = (np.flatnonzero(sign * stream.velocity > 0.0) for sign in (-1.0, 1.0))
     up = up[np.argsort(stream.time[up], kind="stable")]
     # The slowest rise starts from rest in the probe volume, reversed in time.
-    highest = height + instrument.gate * height_error
+    highest = height + GATE * height_error
     slowest = np.zeros(len(down))
     noise, slope = delay_noise(stream.velocity[down], slowest, height, instrument)
     longest = delay(stream.velocity[down], slowest, highest)
-    longest = longest + instrument.gate * np.hypot(noise, slope * height_error)
+    longest = longest + GATE * np.hypot(noise, slope * height_error)
     start = stream.time[down]
     first = np.searchsorted(stream.time[up], start, side="left")
     last = np.searchsorted(stream.time[up], start + longest, side="right")

@@ -3,7 +3,7 @@
 Which dashes a leg has follows from the geometry of the exposure, as in a frame: those that make a
 spot of their own, whole and by themselves. The velocities are those that the reduction finds from
 exact centroids, with the spread that noise of the centroids and jitter of the pulses give through
-the normal equations of the fit. Study `track_imaging` holds the model against rendered frames. All
+the normal equations of the fit. The tests hold the model against rendered frames. All
 events of an experiment are treated together, and none depends on the others.
 """
 
@@ -309,7 +309,7 @@ def _centroid_variance(
     for row, bright in zip(rows, density, strict=True):
         signal = 0.5 * light * bright
         shot = (signal + instrument.background_counts) / instrument.electrons_per_count
-        noise = (least + shot) * (2.0 if instrument.interlace else 1.0)
+        noise = least + shot
         long = row.length + wide - FAINT_END * disk
         per_square = CENTROID_NOISE**2 * noise * long * wide / (12.0 * light**2)
         variances.append((per_square * long**2, per_square * wide**2))

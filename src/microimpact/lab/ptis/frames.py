@@ -37,8 +37,6 @@ def render(
 ) -> NDArray[np.uint8]:
     """Return the field of video that holds one impact: grey levels, shape (rows, columns).
 
-    Half the rows where the camera interlaces.
-
     Parameters
     ----------
     impacts
@@ -156,8 +154,6 @@ def photograph(
     rng
         Generator of the noise.
     """
-    if instrument.interlace:
-        light = 0.5 * (light[::2] + light[1::2])
     draw = rng.integers(0, QUANTILES, light.shape, dtype=np.uint16)
     frame = _dark(instrument).take(draw)
     lit = light > 0.0

@@ -37,8 +37,6 @@ class ImagingSystem:
         Size of a pixel at the target; with `frame_px` the field of view.
     fields_per_s
         A field is exposed for the whole of its time.
-    interlace
-        Whether a field holds half the rows, each the mean of two adjacent lines.
     sheet_thickness_mm
         Of the light sheet; a sphere whose centre is outside it is dark.
     slots, duty
@@ -64,7 +62,6 @@ class ImagingSystem:
     frame_px: tuple[Count, Count]
     pixel_um: Positive
     fields_per_s: Positive
-    interlace: bool
     sheet_thickness_mm: Positive
     slots: Count
     duty: OpenShare
@@ -83,16 +80,12 @@ class ImagingSystem:
     least_dashes: Annotated[int, Ge(3)]
 
     def __post_init__(self) -> None:
-        """Refuse grey levels that are not in order, and lines that do not pair."""
+        """Refuse grey levels that are not in order."""
         levels = self.background_counts, self.least_peak_counts, self.largest_peak_counts
         if not levels[0] < levels[1] <= levels[2]:
             raise ValueError(
                 "background_counts, least_peak_counts, largest_peak_counts must ascend, got "
                 + ", ".join(f"{level:g}" for level in levels)
-            )
-        if self.interlace and self.frame_px[1] % 2:
-            raise ValueError(
-                f"frame_px: interlace needs an even number of rows, not {self.frame_px[1]}"
             )
 
 

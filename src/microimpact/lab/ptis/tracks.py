@@ -39,11 +39,9 @@ EVERY = 4
 MOST_SATURATED = 0.2
 # Relative to the median: how far the light of a whole dash may be off that of its leg, how much
 # light is that of more than one dash, and how far dashes may be off that lead to the incident row.
-# How slender dashes in a row are, unlike dashes side by side.
 WHOLE = 0.05
 SINGLE = 1.3
 ALIKE = 0.5
-SLENDER = 5.0
 # Incident tracks are as steep as this (tangent from the vertical), straight to so many pixels.
 STEEP = math.tan(math.radians(5.0))
 STRAIGHT_PX = 1.5
@@ -53,26 +51,10 @@ LEAST_STEP_PX = 1.0
 RESIDUAL_PX = 0.5
 
 
-@dataclass(frozen=True, slots=True)
-class Rejection:
-    """Why a frame was not measured."""
-
-    reason: str
-
-
-OVERLAP = Rejection("tracks overlap")
-TOUCHING = Rejection("dashes touch")
-SATURATED = Rejection("dashes saturated")
-FEW = Rejection("too few dashes")
-NO_VERTEX = Rejection("track misses the surface")
-IRREGULAR = Rejection("dashes off one path")
-SECOND_BOUNCE = Rejection("second bounce in view")
-
-
-def measure(frame: NDArray[np.uint8], setup: Setup) -> Track | Rejection:
-    """Measure one frame."""
+def measure(frame: NDArray[np.uint8], setup: Setup) -> Track | None:
+    """Return the track of one frame, or None if it cannot be measured."""
     legs = sort_legs(find_spots(frame, setup), setup)
-    return legs if isinstance(legs, Rejection) else reduce_legs(*legs, setup)
+    return reduce_legs(*legs, setup) if legs else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,11 +64,9 @@ class Spots:
     Attributes
     ----------
     centroid
-        Centroid, column and row in lines of the camera, shape (n, 2).
+        Centroid, column and row, shape (n, 2).
     light
         Counts above the background.
-    length, width
-        Standard deviations of the light along its longest direction and across it, px.
     height
         Of the centroid above the line of the surface, px.
     clear
@@ -97,8 +77,6 @@ class Spots:
 
     centroid: FloatArray
     light: FloatArray
-    length: FloatArray
-    width: FloatArray
     height: FloatArray
     clear: BoolArray
     saturated: BoolArray
@@ -123,20 +101,14 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     grey = frame[row, column]
     weight = grey - background
     light = total(weight)
-    lines = setup.instrument.frame_px[1] // frame.shape[0]
-    points = np.stack([column, lines * row + 0.5 * (lines - 1)], axis=-1)
+    points = np.stack([column, row], axis=-1).astype(float)
     centroid = np.stack([total(weight * of) for of in points.T], axis=-1) / light[:, None]
-    dx, dy = (points - centroid[spot]).T
-    across, down, mixed = (total(weight * of) / light for of in (dx * dx, dy * dy, dx * dy))
-    mean, apart = 0.5 * (across + down), np.hypot(0.5 * (across - down), mixed)
     height, width = frame.shape
     edge = (row == 0) | (row == height - 1) | (column == 0) | (column == width - 1)
     near = core & (edge | (setup.height(points) < SURFACE_PX))
     return Spots(
         centroid=centroid,
         light=light,
-        length=np.sqrt(np.maximum(mean + apart, 0.0)),
-        width=np.sqrt(np.maximum(mean - apart, 0.0)),
         height=setup.height(centroid),
         clear=total(near) == 0,
         saturated=total(grey == BRIGHTEST) > MOST_SATURATED * total(core),
@@ -176,31 +148,30 @@ def patches(
     return row + box[0].start, column + box[1].start, number, bright[box][row, column]
 
 
-def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rejection:
+def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | None:
     """Sort spots into the incident and the rebound leg, whole dashes alone.
 
     Spheres fall: the incident leg is the longest steep row of spots. The rest is the rebound,
-    whose horizontal velocity is constant and gives its order. Legs are columns and rows (m, 2).
+    whose horizontal velocity is constant and gives its order. Legs are columns and rows (m, 2);
+    None if either has too few.
     """
     centroid, light, clear = spots.centroid, spots.light, spots.clear
     least = setup.instrument.least_dashes
     if not np.any(clear):
-        return FEW
+        return None
     # Up to some height dashes run together, and may not be told apart.
     merged = clear & (light > SINGLE * np.median(light[clear]))
     usable = clear & ~spots.saturated & (spots.height > spots.height[merged].max(initial=-np.inf))
     if np.sum(usable) < 2 * least:
-        return _why(spots, np.ones_like(clear))
+        return None
     alike = usable & (np.abs(light / np.median(light[usable]) - 1.0) < ALIKE)
     on_line = steep_row(centroid, alike)
     incident = _longest_run(centroid[:, 1], light, usable, on_line)
     if len(incident) < least:
-        return _why(spots, on_line)
+        return None
     rebound = _longest_run(centroid[:, 0], light, usable, ~on_line)
-    if len(rebound) < least:
-        return _why(spots, ~on_line)
-    if not told_apart(centroid[rebound]):
-        return OVERLAP
+    if len(rebound) < least or not told_apart(centroid[rebound]):
+        return None
     first, last = np.abs(centroid[rebound[[0, -1]], 0] - centroid[incident[-1], 0])
     return centroid[incident], centroid[rebound if first <= last else rebound[::-1]]
 
@@ -284,16 +255,6 @@ def longest_runs(good: BoolArray, group: IntArray, groups: int) -> tuple[IntArra
     return start, number
 
 
-def _why(spots: Spots, concerned: BoolArray) -> Rejection:
-    """Say why spots do not make a leg."""
-    several = concerned & (spots.light > SINGLE * np.median(spots.light[spots.clear]))
-    if np.any(several & (spots.length < SLENDER * spots.width)):
-        return OVERLAP
-    if np.any(several):
-        return TOUCHING
-    return SATURATED if np.any(spots.saturated & spots.clear & concerned) else FEW
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Leg:
     """One leg of a track, or of each of many: dashes in order of time, and the path fitted to them.
@@ -362,8 +323,8 @@ class Track:
 
 def reduce_legs(
     incident: FloatArray, rebound: FloatArray, setup: Setup, *, with_gravity: bool = True
-) -> Track | Rejection:
-    """Return the velocities at the surface from the dashes of both legs.
+) -> Track | None:
+    """Return the velocities at the surface from the dashes of both legs; None if they do not fit.
 
     Parameters
     ----------
@@ -375,11 +336,9 @@ def reduce_legs(
         Whether paths are those under gravity, not straight lines at constant speed.
     """
     track = fit_track(incident, rebound, setup, with_gravity=with_gravity)
-    if with_gravity and not smooth(track.incident, setup):
-        return IRREGULAR
-    if with_gravity and not smooth(track.rebound, setup):
-        return _second_bounce(track.rebound.points, setup)
-    return track if track.meets_surface else NO_VERTEX
+    legs = track.incident, track.rebound
+    single = not with_gravity or all(smooth(leg, setup) for leg in legs)
+    return track if single and track.meets_surface else None
 
 
 def fit_track(
@@ -485,12 +444,3 @@ def smooth(leg: Leg, setup: Setup) -> BoolArray:
     jitter = 3.0 * setup.instrument.jitter * setup.speed / setup.chop_rate
     close: BoolArray = leg.residual <= RESIDUAL_PX * setup.pixel + jitter
     return close
-
-
-def _second_bounce(points: FloatArray, setup: Setup) -> Rejection:
-    """Tell whether the sphere came back to the surface, by the first dashes of its rebound."""
-    first = points[: setup.instrument.least_dashes]
-    leg = to_surface(fit_path(first, setup.chop_rate, gravity), setup, outward=True)
-    normal = to_target(leg.contact_velocity, setup)[1]
-    back = leg.contact + 2.0 * normal / (gravity * np.sin(np.radians(setup.angle)))
-    return SECOND_BOUNCE if back * setup.chop_rate < len(points) else IRREGULAR

@@ -8,7 +8,6 @@ from functools import partial
 from itertools import product
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from microimpact.core.materials import find_material, materials_from_rows
@@ -42,7 +41,6 @@ from study.declared.parameters import (
     MaterialName,
     Name,
     NonNegative,
-    Positive,
 )
 from study.studies.contacts import pair_of
 from study.studies.laboratory import DeclaredSurface
@@ -193,48 +191,7 @@ FATES = {
 
 def fates_of(counted: Mapping[str, int]) -> dict[str, int]:
     """Return the number of particles by `FATES`; they add up to all dropped."""
-    # A reason may say more after a colon.
-    return {
-        kind: sum(n for word, n in counted.items() if word.partition(":")[0] in words)
-        for kind, words in FATES.items()
-    }
-
-
-def experiment_row(
-    experiment: Experiment, dropped: Dropped, contact_evidence: str, outcome: Outcome
-) -> dict[str, Any]:
-    """Return the row of one experiment: conditions, losses, measured means, and truth."""
-    low, high = dropped.speed_range_m_per_s
-    smallest, largest = dropped.diameter_um.quantile(np.array([0.0, 1.0]))
-    first = outcome.first_impacts
-    row: dict[str, Any] = {
-        "particles": experiment.names[0],
-        "material": experiment.particles.particle,
-        "smallest_um": smallest,
-        "largest_um": largest,
-        "surface": experiment.names[1],
-        "surface_material": experiment.surface.surface,
-        "slope_sd": dropped.slope_sd,
-        "contact_case": experiment.case,
-        "contact_evidence": contact_evidence,
-        "angle_deg": experiment.angle,
-        "nominal_speed_m_per_s": dropped.speed_m_per_s,
-        "slowest_m_per_s": low,
-        "fastest_m_per_s": high,
-        "instrument": "PDPA" if experiment.angle == NORMAL else "PTIS",
-        "dropped": outcome.dropped,
-        **fates_of(outcome.fates),
-        "events": len(outcome.measured),
-        "captured_share": mean_and_error(first.captured)[0],
-    }
-    everything = quantities(first.in_plane)
-    # Friction of a particle that stays is not that of an impact.
-    everything["impulse_ratio"] = everything["impulse_ratio"][~first.captured]
-    for name, truth in quantities(outcome.true).items():
-        row |= interval_columns(outcome.means, name)
-        row[f"true_{name}"] = mean_and_error(truth)[0]
-        row[f"{name}_of_all"] = mean_and_error(everything[name])[0]
-    return {**row, "evidence": "virtual experiment"}
+    return {kind: sum(counted.get(word, 0) for word in words) for kind, words in FATES.items()}
 
 
 NEEDS = {"calibration": ("calibration",)}
@@ -261,7 +218,6 @@ class Params:
     pdpa: Analyser
     ptis: ImagingSystem
     counted: Counts
-    events_per_experiment: Positive  # As the article has it
 
     def __post_init__(self) -> None:
         """Refuse blocks with undeclared names or other counts."""
@@ -278,8 +234,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     """Run all experiments of the campaign.
 
     ``campaign``: one row per experiment: what, how many dropped, lost and measured, means with
-    intervals, and the ground truth. ``campaign_summary``: counts against the printed ones.
-    ``campaign_map``: angle and speed of all experiments, and of those with too few events.
+    intervals, and the ground truth. ``campaign_map``: angle and speed of all experiments, and of
+    those with too few events.
     """
     experiments = params.experiments
     pairs = {experiment.pair: experiment for experiment in experiments}
@@ -289,7 +245,6 @@ def run(params: Params, inputs: Tables) -> Tables:
     )
     return {
         "campaign": rows,
-        "campaign_summary": summary(params, rows),
         "campaign_map": mapped(rows, params.stop.fewest_events),
     }
 
@@ -297,7 +252,9 @@ def run(params: Params, inputs: Tables) -> Tables:
 def conducted(
     params: Params, experiment: Experiment, contact: Contact, evidence: str
 ) -> dict[str, Any]:
-    """Row of one experiment in the table; it does not depend on the others.
+    """Return the row of one experiment: conditions, losses, measured means, and truth.
+
+    It does not depend on the others.
 
     Parameters
     ----------
@@ -313,7 +270,24 @@ def conducted(
         outcome: Outcome = doppler.collect(drop, params.pdpa, params.stop, rng)
     else:
         outcome = imaging.collect(drop, params.ptis, params.stop, rng)
-    return experiment_row(experiment, dropped, evidence, outcome)
+    row: dict[str, Any] = {
+        "particles": experiment.names[0],
+        "surface": experiment.names[1],
+        "slope_sd": dropped.slope_sd,
+        "contact_case": experiment.case,
+        "contact_evidence": evidence,
+        "angle_deg": experiment.angle,
+        "nominal_speed_m_per_s": dropped.speed_m_per_s,
+        "instrument": "PDPA" if experiment.angle == NORMAL else "PTIS",
+        "dropped": outcome.dropped,
+        **fates_of(outcome.fates),
+        "events": len(outcome.measured),
+        "captured_share": mean_and_error(outcome.first_impacts.captured)[0],
+    }
+    for name, truth in quantities(outcome.true).items():
+        row |= interval_columns(outcome.means, name)
+        row[f"true_{name}"] = mean_and_error(truth)[0]
+    return {**row, "evidence": "virtual experiment"}
 
 
 def contact(params: Params, experiment: Experiment, inputs: Tables) -> tuple[Contact, str]:
@@ -330,35 +304,6 @@ def contact(params: Params, experiment: Experiment, inputs: Tables) -> tuple[Con
         work_of_adhesion=case.work_of_adhesion,
     )
     return adapted, "calibrated" if pair_of(inputs, experiment.case) == names else "assumed"
-
-
-def summary(params: Params, rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the counts of the campaign beside the printed ones, and its yield."""
-    counted, events = counts(params.experiments).in_words(), rows["events"]
-    facts: dict[str, float] = {
-        **counted,
-        "events": int(events.sum()),
-        "events per experiment": float(events.mean()),
-        "particles dropped": int(rows["dropped"].sum()),
-        "by PDPA": int((rows["instrument"] == "PDPA").sum()),
-        "with a calibrated contact": int((rows["contact_evidence"] == "calibrated").sum()),
-        f"fewer than {params.stop.fewest_events} events": int(
-            (events < params.stop.fewest_events).sum()
-        ),
-        f"fewer than {params.stop.events} events": int((events < params.stop.events).sum()),
-    }
-    printed = params.counted.in_words() | {"events per experiment": params.events_per_experiment}
-    return pd.DataFrame(
-        [
-            {
-                "quantity": name,
-                "value": value,
-                "printed": printed.get(name, np.nan),
-                "evidence": "chosen" if name in counted else "virtual experiment",
-            }
-            for name, value in facts.items()
-        ]
-    )
 
 
 def mapped(rows: pd.DataFrame, fewest: int) -> pd.DataFrame:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -25,7 +24,7 @@ from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.experiment import in_sheet, set_for, turned
 from microimpact.lab.ptis.exposure import MEASURED
 from microimpact.lab.ptis.system import ImagingSystem, Systematics
-from microimpact.lab.reduction import QUANTITIES, quantities, shared_error
+from microimpact.lab.reduction import shared_error
 from microimpact.lab.surface import rough
 from microimpact.statistics.distributions import Distribution, child, generator
 from microimpact.statistics.intervals import student_half_width, wilson_interval
@@ -55,8 +54,7 @@ GROUPS = 20
 ROUNDS = 3
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Repeated:
+class Repeated(NamedTuple):
     """Repetitions of one experiment."""
 
     # Accepted events as measured and as they were, fields of shape (experiments, events).
@@ -65,11 +63,9 @@ class Repeated:
     # Standard uncertainty of the systematic error, shape (experiments, 1): of the probe's height,
     # m, or of the target's angle, degrees.
     uncertainty: FloatArray
-    impacts: Impacts  # All simulated impacts, seen or not
-    observable: float  # Share of them that can be measured
 
 
-def by_imaging(params: Params, number: int, drop: Drop, rng: Generator) -> Repeated:
+def by_imaging(params: Params, drop: Drop, impacts: Impacts, rng: Generator) -> Repeated:
     """Repeat an oblique experiment.
 
     Scale, rate and angle are wrong by other amounts in each experiment; they stretch and turn all
@@ -77,13 +73,12 @@ def by_imaging(params: Params, number: int, drop: Drop, rng: Generator) -> Repea
 
     Parameters
     ----------
-    number
-        Impacts to simulate.
     drop
         What is dropped on what; its range is of measured speeds.
+    impacts
+        Simulated impacts, from which those of the experiments are drawn.
     """
     experiments, events, instrument = params.experiments, params.events, params.ptis
-    impacts = drop.impacts(number, child(rng, 0))
     setup = set_for(drop, instrument)
     moving = np.flatnonzero(~impacts.captured & in_sheet(impacts.position, instrument))
     draws = [child(rng, 1)] * moving.size
@@ -108,12 +103,10 @@ def by_imaging(params: Params, number: int, drop: Drop, rng: Generator) -> Repea
         measured=measured,
         true=impacts.in_plane.select(measured.event),
         uncertainty=np.full((experiments, 1), instrument.angle_error_deg),
-        impacts=impacts,
-        observable=pool.size / number,
     )
 
 
-def by_doppler(params: Params, number: int, drop: Drop, rng: Generator) -> Repeated:
+def by_doppler(params: Params, drop: Drop, impacts: Impacts, rng: Generator) -> Repeated:
     """Repeat a normal experiment, with the right pairs: the search for them is not repeated.
 
     The height of the probe volume is another in each experiment, and decides which spheres cross
@@ -122,7 +115,6 @@ def by_doppler(params: Params, number: int, drop: Drop, rng: Generator) -> Repea
     Arguments as in `by_imaging`; only particles that arrive near the probe volume are followed.
     """
     experiments, events, instrument = params.experiments, params.events, params.pdpa
-    impacts = drop.impacts(number, child(rng, 0), within=NEAR_PROBE)
     draw = child(rng, 2)
     usual = 1e-3 * instrument.probe_height_mm
     error = 1e-6 * instrument.probe_height_error_um
@@ -131,30 +123,26 @@ def by_doppler(params: Params, number: int, drop: Drop, rng: Generator) -> Repea
     slowest, fastest = drop.speed_range
     near = _may_cross(impacts, usual + REACH * error * np.array([-1.0, 0.0, 1.0]), instrument)
     pool = impacts.select(near & (speed >= slowest - noise) & (speed <= fastest + noise))
-    unseen = np.empty((len(pool), 0))  # spins are not copied
-    pool = replace(pool, spin=unseen, rebound_spin=unseen)
     height = np.sort(usual + error * draw.standard_normal(experiments))
-    parts = [
-        _doppler_experiments(pool, of, events, instrument, drop, draw)
-        for of in np.array_split(height, GROUPS)
-        if of.size
-    ]
+    measured, true, uncertainty = zip(
+        *(
+            _doppler_experiments(pool, part, events, instrument, drop, draw)
+            for part in np.array_split(height, GROUPS)
+            if part.size
+        ),
+        strict=True,
+    )
     return Repeated(
-        measured=Measured.joined([part[0] for part in parts]),
-        true=Measured.joined([part[1] for part in parts]),
-        uncertainty=np.concatenate([part[2] for part in parts]),
-        impacts=impacts,
-        observable=float(np.mean(passages(impacts, usual, instrument).crossed.all(axis=0))),
+        Measured.joined(list(measured)), Measured.joined(list(true)), np.concatenate(uncertainty)
     )
 
 
 def _doppler_experiments(
     pool: Impacts, height: FloatArray, events: int, instrument: Analyser, drop: Drop, rng: Generator
-) -> tuple[Measured, Measured, FloatArray]:
-    """Return events as measured and as they were, and the uncertainty of the height found, m.
+) -> Repeated:
+    """Return one experiment of the probe volume, in ascending order.
 
-    One experiment for each height of the probe volume, in ascending order: at the last one the
-    fewest spheres rise into it.
+    At the last one the fewest spheres rise into it.
     """
     pool = pool.select(_may_cross(pool, height[[0, -1]], instrument))
     crossing = passages(pool, height[-1], instrument).crossed.all(axis=0)
@@ -176,7 +164,9 @@ def _doppler_experiments(
         estimate = np.stack(estimate_height(stream, used, estimate[0], instrument))
     corrected = np.asarray(correct(kept.velocities, estimate[0, :, None, None, None]))
     measured = replace(kept, velocities=corrected)
-    return measured, pool.in_plane.select(chosen.ravel()[kept.event]), estimate[1, :, None]
+    return Repeated(
+        measured, pool.in_plane.select(chosen.ravel()[kept.event]), estimate[1, :, None]
+    )
 
 
 def _may_cross(impacts: Impacts, heights: FloatArray, instrument: Analyser) -> BoolArray:
@@ -231,8 +221,6 @@ def _first(measured: Measured, good: BoolArray, events: int) -> Measured:
 
 NEEDS = {"calibration": ("calibration",)}
 
-SHIFTED = {"PDPA": moved, "PTIS": turned}
-MEASURED_BY = {"PDPA": ("restitution",), "PTIS": QUANTITIES}
 # The means that are drawn, by the end of their columns.
 DRAWN = {"observable": "events that can be measured", "rebounds": "all rebounds"}
 
@@ -274,9 +262,9 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Repeat every experiment and count the intervals that hold each mean.
 
-    ``interval_coverage``: one row per experiment and quantity; in the column ``problem``, why one
-    without events has no numbers. ``coverage_by_speed``,
-    ``coverage_by_angle``: coverage of restitution, and its nominal level.
+    ``interval_coverage``: one row per experiment, of restitution; in the column ``problem``, why
+    one without events has no numbers. ``coverage_by_speed``, ``coverage_by_angle``: the same, and
+    the nominal level.
     """
     contact = calibrated_contact(inputs, params.case).replace(friction=params.friction)
     rows: list[dict[str, Any]] = []
@@ -292,96 +280,67 @@ def run(params: Params, inputs: Tables) -> Tables:
                 speed_range=(speed * (1.0 - case.speed_window), speed * (1.0 + case.speed_window)),
                 dispenser=params.dispenser,
             ).tabulated()
-            repeat = by_doppler if angle == NORMAL else by_imaging
             rng = generator(params.seed, number, i, k)
-            instrument = "PDPA" if angle == NORMAL else "PTIS"
-            columns: dict[str, Any] = {"case": name, "instrument": instrument}
-            columns |= {"angle_deg": angle, "speed_m_per_s": speed}
+            row: dict[str, Any] = {
+                "case": name,
+                "instrument": "PDPA" if angle == NORMAL else "PTIS",
+                "angle_deg": angle,
+                "speed_m_per_s": speed,
+            }
             try:
-                repeated = repeat(params, case.simulated, drop, rng)
-                rows += [columns | row for row in coverage_rows(params, drop, repeated)]
+                row |= coverage(params, drop, case.simulated, rng)
             except ValueError as error:
-                why = reason(f"interval_coverage.cases.{name}, {speed:g} m/s, {angle:g} deg", error)
-                lacking = {"evidence": "virtual experiment", "problem": why}
-                rows += [columns | {"quantity": n} | lacking for n in MEASURED_BY[instrument]]
+                where = f"interval_coverage.cases.{name}, {speed:g} m/s, {angle:g} deg"
+                row["problem"] = reason(where, error)
+            rows.append(row | {"evidence": "virtual experiment"})
     if all("problem" in row for row in rows):
         raise NotComputedError(rows[0]["problem"])
     table = pd.DataFrame(rows)
     return {"interval_coverage": table, **drawn(table, params.level)}
 
 
-def coverage_rows(params: Params, drop: Drop, repeated: Repeated) -> Iterator[dict[str, Any]]:
-    """Yield how often the intervals of each quantity hold each mean, and how wide they are."""
-    instrument = "PDPA" if drop.angle == NORMAL else "PTIS"
-    means = quantities(repeated.measured)
-    accepted, unselected = quantities(repeated.true), _unselected(drop, repeated)
-    systematic = shared_error(repeated.measured, SHIFTED[instrument], repeated.uncertainty)
-    for name in MEASURED_BY[instrument]:
-        values = means[name]
-        centre = values.mean(axis=1)
-        sd = values.std(axis=1, ddof=1)
-        half = student_half_width(sd, params.events, systematic[name], params.level)
-        row: dict[str, Any] = {
-            "quantity": name,
-            "experiments": params.experiments,
-            "events": params.events,
-            "captured_share": float(np.mean(repeated.impacts.captured)),
-            "observable_share": repeated.observable,
-        }
-        truths = {"observable": float(accepted[name].mean())} | unselected[name]
-        for which, truth in truths.items():
-            held = np.abs(centre - truth) <= half
-            low, high = wilson_interval(int(held.sum()), held.size)
-            row |= {
-                f"mean_{which}": truth,
-                f"coverage_{which}": float(held.mean()),
-                f"coverage_{which}_low": low,
-                f"coverage_{which}_high": high,
-            }
-        yield row | {
-            "bias_of_the_mean": float(centre.mean() - truths["observable"]),
-            "half_width": float(half.mean()),
-            "systematic_share": float(np.mean(np.square(systematic[name] / (half / 2.0)))),
-            "skewness_of_events": _skewness(values),
-            "evidence": "virtual experiment",
-        }
+def coverage(params: Params, drop: Drop, simulated: int, rng: Generator) -> dict[str, Any]:
+    """Return how often the intervals of restitution hold each mean, and how wide they are.
 
-
-def _skewness(values: FloatArray) -> float:
-    about = values - values.mean()
-    squares = about * about  # a product is far quicker than a power
-    return float(np.mean(squares * about) / np.mean(squares) ** 1.5)
-
-
-def _unselected(drop: Drop, repeated: Repeated) -> dict[str, dict[str, float]]:
-    """Return the means over all rebounds and over all impacts of the class, seen or not.
-
-    Captured impacts count with no restitution and all their energy lost; friction is of rebounds.
+    The means are over the events that can be measured, over all rebounds of the class, seen or
+    not, and over all its impacts, captured ones with no restitution.
     """
-    exact = repeated.impacts.in_plane
-    inside = drop.in_class(exact.speed)
-    rebounds = inside & ~repeated.impacts.captured
-    return {
-        name: {
-            "rebounds": float(np.mean(of[rebounds])),
-            "all": float(np.mean(of[rebounds if name == "impulse_ratio" else inside])),
-        }
-        for name, of in quantities(exact).items()
+    normal = drop.angle == NORMAL
+    impacts = drop.impacts(simulated, child(rng, 0), within=NEAR_PROBE if normal else np.inf)
+    repeat, shifted = (by_doppler, moved) if normal else (by_imaging, turned)
+    repeated = repeat(params, drop, impacts, rng)
+    measured = repeated.measured.coefficient_of_restitution
+    systematic = shared_error(repeated.measured, shifted, repeated.uncertainty)["restitution"]
+    sd = measured.std(axis=1, ddof=1)
+    half = student_half_width(sd, params.events, systematic, params.level)
+    exact = impacts.in_plane
+    e, inside = exact.coefficient_of_restitution, drop.in_class(exact.speed)
+    means = {
+        "observable": repeated.true.coefficient_of_restitution.mean(),
+        "rebounds": e[inside & ~impacts.captured].mean(),
+        "all": e[inside].mean(),
     }
+    row: dict[str, Any] = {"experiments": params.experiments, "half_width": float(half.mean())}
+    for name, mean in means.items():
+        held = np.abs(measured.mean(axis=1) - mean) <= half
+        low, high = wilson_interval(int(held.sum()), held.size)
+        row |= {f"mean_{name}": float(mean), f"coverage_{name}": float(held.mean())}
+        row |= {f"coverage_{name}_low": low, f"coverage_{name}_high": high}
+    return row
 
 
 def drawn(table: pd.DataFrame, level: float) -> dict[str, pd.DataFrame]:
-    """Return the coverage of restitution, by speed at normal and by angle at oblique incidence.
+    """Return the coverage, by speed at normal and by angle at oblique incidence.
 
     The series ``nominal`` is the level of the intervals.
     """
-    rows = table[table["quantity"] == "restitution"]
-    lacking = rows[rows["coverage_observable"].isna()]
-    rows = rows.drop(lacking.index)
-    axes = {"speed": ("PDPA", "speed_m_per_s"), "angle": ("PTIS", "angle_deg")}
     frames_by_axis = {}
-    for axis, (instrument, column) in axes.items():
-        unit = column.removeprefix("speed_").removeprefix("angle_")
+    for axis, instrument, unit in (("speed", "PDPA", "m_per_s"), ("angle", "PTIS", "deg")):
+        rows, column = table[table["instrument"] == instrument], f"{axis}_{unit}"
+        known = rows[rows["coverage_observable"].notna()]
+        if known.empty:
+            frames_by_axis[f"coverage_by_{axis}"] = not_computed(rows["problem"].iloc[0])
+            continue
         frame = partial(series_frame, axis, x_unit=unit, y_unit="percent")
         frames = [
             frame(
@@ -391,14 +350,10 @@ def drawn(table: pd.DataFrame, level: float) -> dict[str, pd.DataFrame]:
                 "virtual experiment",
                 *(100.0 * own[f"coverage_{which}_{end}"] for end in ("low", "high")),
             )
-            for name, own in rows[rows["instrument"] == instrument].groupby("case", sort=False)
+            for name, own in known.groupby("case", sort=False)
             for which, words in DRAWN.items()
         ]
-        if not frames:
-            why = lacking.loc[lacking["instrument"] == instrument, "problem"].iloc[0]
-            frames_by_axis[f"coverage_by_{axis}"] = not_computed(why)
-            continue
-        x = rows.loc[rows["instrument"] == instrument, column]
-        frames.append(frame("nominal", [x.min(), x.max()], 100.0 * level))
+        ends = [known[column].min(), known[column].max()]
+        frames.append(frame("nominal", ends, 100.0 * level))
         frames_by_axis[f"coverage_by_{axis}"] = pd.concat(frames, ignore_index=True)
     return frames_by_axis

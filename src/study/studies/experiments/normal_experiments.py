@@ -13,9 +13,9 @@ import pandas as pd
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.dispenser import Dispenser
-from microimpact.lab.experiment import Drop, StopRule, Target
+from microimpact.lab.experiment import Drop, Outcome, StopRule, Target
 from microimpact.lab.pdpa.analyser import Analyser
-from microimpact.lab.pdpa.experiment import QUANTITIES, Session, collect
+from microimpact.lab.pdpa.experiment import QUANTITIES, collect
 from microimpact.lab.reduction import interval_columns
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
@@ -41,6 +41,8 @@ Drawn = tuple[FloatArray, FloatArray]
 
 # Where more are captured, the mean of the few that rebound is not drawn.
 HIDDEN_SHARE = 0.9
+# Of the plateau, where restitution has visibly fallen.
+PLATEAU_SHARE = 0.9
 # Quantiles of each sieve class.
 SIZES = 200
 
@@ -66,7 +68,6 @@ class Params:
     dispenser: Dispenser
     instrument: Analyser
     points: Points
-    plateau_share: Fraction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,11 +108,11 @@ def run(params: Params, inputs: Tables) -> Tables:
         "fig04": figure_data(params, "restitution", table, drawn, printed),
         "fig05": figure_data(params, "energy_loss", table, series, printed, lambda e: 1.0 - e**2),
         "normal_experiments": table,
-        "size_effects": pd.DataFrame(size_effects(params, curves)),
+        "size_effects": pd.DataFrame(size_effects(curves)),
     }
 
 
-def experiment(params: Params, population: Population, speed: float, contact: Contact) -> Session:
+def experiment(params: Params, population: Population, speed: float, contact: Contact) -> Outcome:
     """Return one experiment: its first accepted events near the nominal speed are averaged."""
     window = params.speed_window
     drop = Drop(
@@ -124,29 +125,21 @@ def experiment(params: Params, population: Population, speed: float, contact: Co
     return collect(drop, params.instrument, params.stop, generator(params.seed, *drop.key))
 
 
-def experiment_row(population: str, speed: float, outcome: Session) -> dict[str, Any]:
+def experiment_row(population: str, speed: float, outcome: Outcome) -> dict[str, Any]:
     """Return one experiment as a row of the table: losses, measured means, and truth."""
-    observation, fates, measured = outcome.observation, outcome.fates, outcome.measured
-    quality = observation.quality
-    first = outcome.first_impacts.in_plane
-    truth = first.coefficient_of_restitution
+    measured, fates = outcome.measured, outcome.fates
+    truth = outcome.first_impacts.in_plane.coefficient_of_restitution
     return {
         "population": population,
         "nominal_speed_m_per_s": speed,
         "speed_m_per_s": mean_and_error(-measured.normal[0])[0],
         "dropped": outcome.dropped,
-        "near_the_probe": len(truth),
         "events": len(measured),
         "captured": fates["captured"],
         "too_slow_for_the_probe": fates["rebound below probe"],
         "missed_the_probe": fates["incident missed probe"] + fates["rebound missed probe"],
-        "precision": quality.precision,
-        "recall": quality.recall,
-        "probe_height_found_mm": 1e3 * observation.pairing.height,
-        "probe_height_true_mm": 1e3 * observation.height,
         **interval_columns(outcome.means, *QUANTITIES),
         "true_restitution_of_rebounds": mean_and_error(truth[truth > 0.0])[0],
-        "true_restitution_of_all": float(np.mean(truth)),
         "evidence": "virtual experiment",
     }
 
@@ -164,23 +157,20 @@ def sieve_curve(params: Params, population: Population, contact: Contact) -> Cur
     return Curve(speed=speed, rebounding=rebounding, captured=np.mean(captured, axis=1))
 
 
-def size_effects(
-    params: Params, curves: Mapping[tuple[str, str], Curve]
-) -> Iterator[dict[str, Any]]:
+def size_effects(curves: Mapping[tuple[str, str], Curve]) -> Iterator[dict[str, Any]]:
     """Yield where restitution has fallen to a share of its plateau, and the width of capture."""
     for (case, name), curve in curves.items():
         plateau = float(curve.rebounding[-1])
-        low = np.flatnonzero(curve.rebounding < params.plateau_share * plateau)
+        low = np.flatnonzero(curve.rebounding < PLATEAU_SHARE * plateau)
         fallen = float(curve.speed[low[-1]]) if low.size else np.nan
         captured = {
             f"captured_{share}_percent_m_per_s": np.interp(
                 -share / 100.0, -curve.captured, curve.speed
             )
-            for share in (90, 50, 10)
+            for share in (50, 10)
         }
         yield (
             {"case": case, "population": name, "fallen_speed_m_per_s": fallen, **captured}
-            | {"restitution_at_0.75_m_per_s": np.interp(0.75, curve.speed, curve.rebounding)}
             | {"restitution_at_highest_speed": plateau, "evidence": "computed"}
         )
 

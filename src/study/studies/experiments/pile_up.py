@@ -18,7 +18,7 @@ from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.surface import rough
 from microimpact.model.calibration import two_stage
-from microimpact.model.contact import Contact, resized
+from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.distributions import Distribution, generator, mean
 from study.declared.parameters import (
@@ -114,7 +114,6 @@ def contacts(params: Params, inputs: Tables) -> dict[str, Contact]:
 
 def _rows(params: Params, known: Mapping[str, Contact]) -> Iterator[dict[str, Any]]:
     for name, contact in known.items():
-        limit = float(capture_velocity(resized(contact, mean(params.diameter_um) * 1e-6)))
         for slope, speed in product(params.slopes_deg, params.speeds_m_per_s):
             resting_spheres = rest(params, contact, slope, speed)
             for radius in params.radii_mm:
@@ -123,12 +122,10 @@ def _rows(params: Params, known: Mapping[str, Contact]) -> Iterator[dict[str, An
                 yield {
                     "contact": name,
                     "capture_velocity_m_per_s": round(float(capture_velocity(contact)), 6),
-                    "capture_velocity_of_mean_sphere_m_per_s": limit,
                     "target_radius_mm": radius,
                     "slope_deg": slope,
                     "speed_m_per_s": speed,
                     **{k: np.sum(v) / params.spheres for k, v in zip(SHARES, shares, strict=True)},
-                    "mean_impacts": float(np.sum(resting_spheres.impacts) / params.spheres),
                     "evidence": "virtual experiment",
                 }
 

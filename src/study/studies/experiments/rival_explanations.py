@@ -22,7 +22,6 @@ from study.declared.parameters import (
     CaseName,
     Fraction,
     NonNegative,
-    OpenShare,
     Positive,
     PrintedName,
 )
@@ -45,6 +44,8 @@ _frame = partial(series_frame, panel="restitution", x_unit="m_per_s", y_unit="1"
 
 # Smooth curves.
 POINTS = 200
+# Of the plateau, where restitution has visibly fallen.
+PLATEAU_SHARE = 0.9
 # Molar gas constant (J/mol/K), room temperature (K); air, and water there, in SI units.
 GAS, ROOM = 8.314462618, 293.15
 AIR = {"molar_mass": 0.028965, "viscosity": 1.81e-5}
@@ -68,9 +69,7 @@ class Params:
     diameters_um: tuple[Positive, Positive]  # Mean spheres of two classes, the smaller first
     probe_height_mm: Positive  # Of the probe; speeds are not corrected for it
     restitution: Annotated[Fraction, Field(gt=0)]  # Of the rival, and of the plateau
-    # Share of the plateau to which restitution falls, and the fastest speed of it.
-    plateau_share: OpenShare
-    seen_from_m_per_s: Positive
+    seen_from_m_per_s: Positive  # Fastest speed of the plateau
     # Of the figure: ends, and points of a curve.
     speeds_m_per_s: tuple[Positive, Positive]
     # Oblique impacts, by the printed value of their restitution: angle and total speed. These are
@@ -205,37 +204,36 @@ def observations(
     falls = [1.0 - float(np.divide(*of)) for of in e]
     fall = 1.0 - float(np.divide(*seen))
     name = "fall of restitution from the fastest to the end of the plateau"
-    yield row(name, "1", fall, falls, (-0.1, 0.1))
+    yield row(name, fall, falls, (-0.1, 0.1))
     fallen = ([fallen_speed(params, one) for one in of] for of in (large, small))
     ratios = [of / other for of, other in zip(*fallen, strict=True)]
     name = "speed at which restitution has fallen, larger over smaller class"
-    yield row(name, "1", 1.0, ratios, (0.0, 0.999))
+    yield row(name, 1.0, ratios, (0.0, 0.999))
     for key, impact in params.oblique.items():
         aim, angle, total = printed["value"][key], impact.angle_deg, impact.speed_m_per_s
         impacts = [simulate(one, total, angle) for one in contacts.values()]
         each = [float(of.coefficient_of_restitution) for of in impacts]
         name = f"restitution at {angle:g} deg and {total:g} m/s"
-        yield row(name, "1", params.restitution, each, (0.9 * aim, 1.1 * aim))
+        yield row(name, params.restitution, each, (0.9 * aim, 1.1 * aim))
 
 
 def row(
-    observation: str, unit: str, rival: float, adhesion: list[float], printed: tuple[float, float]
+    observation: str, rival: float, adhesion: list[float], printed: tuple[float, float]
 ) -> dict[str, Any]:
     """Return both predictions of an observation, beside the printed range."""
     low, high = printed
-    rival_agrees = low <= rival <= high
-    others = [low <= value <= high for value in adhesion]
+    rival_agrees, adhesion_agrees = (
+        any(low <= value <= high for value in values) for values in ([rival], adhesion)
+    )
     return {
         "observation": observation,
-        "unit": unit,
+        "unit": "1",
         "printed_low": low,
         "printed_high": high,
         "probe_alone": float(rival),
         "adhesion_low": min(adhesion),
         "adhesion_high": max(adhesion),
-        "probe_alone_agrees": rival_agrees,
-        "adhesion_agrees": any(others),
-        "tells_apart": rival_agrees != any(others),
+        "tells_apart": rival_agrees != adhesion_agrees,
         "evidence": "computed",
     }
 
@@ -245,7 +243,7 @@ def fallen_speed(params: Params, contact: Contact) -> float:
     speed = np.geomspace(*params.speeds_m_per_s, 20 * POINTS)
     e = simulate(contact, speed).coefficient_of_restitution
     plateau = float(simulate(contact, params.seen_from_m_per_s).coefficient_of_restitution)
-    below = speed[(e < params.plateau_share * plateau) & (speed < params.seen_from_m_per_s)]
+    below = speed[(e < PLATEAU_SHARE * plateau) & (speed < params.seen_from_m_per_s)]
     if below.size == 0:
         raise ValueError("speeds_m_per_s: restitution does not fall at any of them")
     return float(below.max())

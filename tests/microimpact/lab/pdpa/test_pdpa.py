@@ -31,8 +31,6 @@ DEFAULT = Analyser(
     false_records_per_s=0.5,
     false_speed_m_per_s=2.0,
     false_diameters_um=(10.0, 125.0),
-    later_impacts=5,
-    gate=3.0,
 )
 QUIET = replace(
     DEFAULT,
@@ -131,7 +129,7 @@ def test_a_bounce_is_an_impact_again():
         return Rebound(velocity=after, spin=spin, kept=stays, contacts=np.ones_like(sphere))
 
     first = impacts([1.0, 2.0, 1.0], [0.5, 1.0, 0.0], lateral=(0.01, 0.0))
-    everything = with_later_impacts(first, later, 5)
+    everything = with_later_impacts(first, later)
     # sphere 0 falls back with 0.5 and 0.25, sphere 1 with 1, 0.5 and 0.25
     assert seen == [[0, 1], [0, 1], [1]]
     assert -everything.velocity[3:, 2] == pytest.approx([0.5, 1.0, 0.25, 0.5, 0.25])

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from microimpact.lab.events import Impacts
-from microimpact.lab.ptis.system import ImagingSystem, Setup
+from microimpact.lab.ptis.experiment import ImagedEvents, modelled
+from microimpact.lab.ptis.system import ImagingSystem, Setup, Systematics, event_generator
 
 DIAMETER = 62e-6
 
@@ -16,7 +17,6 @@ INSTRUMENT = ImagingSystem(
     frame_px=(640, 480),
     pixel_um=10.0,
     fields_per_s=60.0,
-    interlace=False,
     sheet_thickness_mm=1.0,
     slots=10,
     duty=0.5,
@@ -74,3 +74,11 @@ def impacts(
 
 def generator(*key: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(11, spawn_key=key))
+
+
+def modelled_events(
+    events: Impacts, setup: Setup, errors: Systematics | None = None
+) -> ImagedEvents:
+    """Events as the model has them, without systematic errors if none are given."""
+    draws = [event_generator(generator(1), i) for i in range(len(events))]
+    return modelled(events, setup, errors or Systematics(), draws)

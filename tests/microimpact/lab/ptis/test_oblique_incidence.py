@@ -6,7 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.microimpact.lab.ptis.imaging_cases import INSTRUMENT, generator, impacts, setup_for
+from tests.microimpact.lab.ptis.imaging_cases import (
+    INSTRUMENT,
+    generator,
+    impacts,
+    modelled_events,
+    setup_for,
+)
 from tests.shared import USUAL
 
 from microimpact.lab.dispenser import NO_SPIN
@@ -14,7 +20,6 @@ from microimpact.lab.experiment import Drop, StopRule, Target
 from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.experiment import OUTSIDE_CLASS, collect, turned
 from microimpact.lab.ptis.exposure import MEASURED, exposures
-from microimpact.lab.ptis.observation import modelled
 from microimpact.lab.ptis.system import Systematics, event_generator
 from microimpact.lab.ptis.tracks import longest_runs
 from microimpact.lab.surface import rough
@@ -95,11 +100,11 @@ def test_impacts_lit_together_are_lit_as_each_by_itself():
 
 
 def test_shared_errors_stretch_and_turn_what_is_measured():
-    """The repetitions of `interval_coverage.repeated` rest on this."""
+    """The repetitions of `interval_coverage` rest on this."""
     events, setup = impacts(1.66, 45.0, 40), setup_for(1.66, 45.0)
     errors = Systematics(rate=0.01, scale=-0.02, angle_deg=0.5)
-    right = modelled(events, setup, Systematics(), generator(1)).measured
-    wrong = modelled(events, setup, errors, generator(1)).measured
+    right, wrong = modelled_events(events, setup), modelled_events(events, setup, errors)
+    right, wrong = right.measured, wrong.measured
     common, a, b = np.intersect1d(right.event, wrong.event, return_indices=True)
     assert common.size > 20
     stretch = 1.0 / (1.01 * 0.98)

@@ -152,15 +152,6 @@ def test_every_whole_pulse_gives_the_same_light_and_the_slower_leg_is_brighter()
     assert left.max() < right.max()
 
 
-def test_interlaced_lines_are_means_of_two():
-    events, setup = impacts(1.66, 60.0), setup_for(1.66, 60.0, NOISELESS)
-    pairs = setup_for(1.66, 60.0, replace(NOISELESS, interlace=True))
-    whole = render(events, 0, setup, EXACT, generator(3)).astype(float)
-    field = render(events, 0, pairs, EXACT, generator(3)).astype(float)
-    assert field.shape == (240, 640)
-    assert np.abs(field - 0.5 * (whole[::2] + whole[1::2])).max() <= 1.0
-
-
 @pytest.mark.parametrize("blur", [0.7, 1.0, 2.3])
 def test_light_is_the_exact_integral_over_pixels_of_the_blurred_path(blur):
     """Without a disk, against the sum of Gaussians at the same points of the path."""

@@ -7,11 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from scipy import stats
-from tests.microimpact.lab.ptis.imaging_cases import INSTRUMENT, generator, impacts, setup_for
+from tests.microimpact.lab.ptis.imaging_cases import (
+    INSTRUMENT,
+    generator,
+    impacts,
+    modelled_events,
+    setup_for,
+)
 
 from microimpact.lab.ptis import errors
+from microimpact.lab.ptis.experiment import photographed
 from microimpact.lab.ptis.exposure import CAPTURED, MEASURED, OFF_SHEET
-from microimpact.lab.ptis.observation import modelled, observe
 from microimpact.lab.ptis.system import Systematics, draw_systematics, event_generator
 
 EXACT = Systematics()
@@ -61,13 +67,11 @@ def test_jitter_alone_gives_the_textbook_error_of_a_slope():
 @pytest.mark.parametrize(("speed", "angle", "seed"), [(1.66, 75.0, 1), (1.05, 45.0, 2)])
 def test_frames_scatter_about_the_model_as_it_says(speed, angle, seed):
     n = 70
-    events, setup, rng = (
-        impacts(speed, angle, n, seed=seed),
-        setup_for(speed, angle),
-        generator(seed),
-    )
+    events, setup = impacts(speed, angle, n, seed=seed), setup_for(speed, angle)
+    rng = generator(seed)
     errors = draw_systematics(INSTRUMENT, rng)
-    model, seen = theory(events, setup, rng, errors), observe(events, setup, errors, rng)
+    model = theory(events, setup, rng, errors)
+    seen = photographed(events, setup, errors, rng).reduced(setup)
     agree = [
         (fate == MEASURED) == isinstance(t, One) for fate, t in zip(seen.fates, model, strict=True)
     ]
@@ -89,8 +93,8 @@ def test_frames_scatter_about_the_model_as_it_says(speed, angle, seed):
 def test_modelled_events_scatter_as_their_covariance_says():
     n = 300
     events, setup = impacts(1.66, 60.0, n), setup_for(1.66, 60.0)
-    drawn = modelled(events, setup, EXACT, generator())
-    model = theory(events, setup, generator(), EXACT)
+    drawn = modelled_events(events, setup)
+    model = theory(events, setup, generator(1), EXACT)
     assert tuple(f == MEASURED for f in drawn.fates) == tuple(isinstance(t, One) for t in model)
     z = []
     for event, found in zip(drawn.measured.event, drawn.measured.velocities, strict=True):
@@ -102,13 +106,12 @@ def test_modelled_events_scatter_as_their_covariance_says():
 
 
 def test_losses_by_geometry():
-    n = 10
+    n, setup = 10, setup_for(1.66, 60.0)
     captured = impacts(1.66, 60.0, n, captured=np.ones(n, dtype=bool))
-    assert modelled(captured, setup_for(1.66, 60.0), EXACT, generator()).fates == (CAPTURED,) * n
+    assert modelled_events(captured, setup).fates == (CAPTURED,) * n
     aside = impacts(1.66, 60.0, n, side=0.8)
-    assert modelled(aside, setup_for(1.66, 60.0), EXACT, generator()).fates == (OFF_SHEET,) * n
+    assert modelled_events(aside, setup).fates == (OFF_SHEET,) * n
     # Rebounds too slow to keep their dashes apart, and tracks upon each other.
     touching = impacts(1.66, 60.0, n, restitution=0.2, kept=0.3)
-    assert MEASURED not in modelled(touching, setup_for(1.66, 60.0), EXACT, generator()).fates
-    steep = impacts(1.66, 88.5, n)
-    assert MEASURED not in modelled(steep, setup_for(1.66, 88.5), EXACT, generator()).fates
+    assert MEASURED not in modelled_events(touching, setup).fates
+    assert MEASURED not in modelled_events(impacts(1.66, 88.5, n), setup_for(1.66, 88.5)).fates

@@ -55,7 +55,6 @@ NEEDS = {
         "loss_resolution",
         "loss_slopes",
         "smooth_spore",
-        "speed_and_angle",
         "spin_needed",
         "spin_or_tilt",
         "spore_comparison",

@@ -238,7 +238,7 @@ def c62(context: Context, *, speeds_m_per_s: tuple[Positive, ...]) -> Numbers:
 @claim("C63")
 def c63(context: Context) -> Numbers:
     """Share of intervals of restitution that hold either mean: the extremes over experiments."""
-    table = context.table("interval_coverage", quantity="restitution")
+    table = context.table("interval_coverage")
     coverage = table["coverage_observable"]
     least, greatest = (table.iloc[int(k)] for k in (coverage.argmin(), coverage.argmax()))
     lowest, highest = (

@@ -38,8 +38,8 @@ from study.studies.claims.claim_numbers.context import (
     of_share,
     over_draws,
 )
-from study.studies.experiments.mechanisms.impulse_regions import regions
-from study.studies.experiments.mechanisms.speed_and_angle import REGION_ANGLES, departures
+from study.studies.experiments.mechanisms.impulse_regions import REGION_ANGLES, regions
+from study.studies.experiments.mechanisms.loss import departures
 from study.studies.experiments.mechanisms.spin import rolling_limit
 from study.studies.samples import Dropped, half_width, in_class
 

@@ -16,6 +16,7 @@ from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.statistics.intervals import student_half_width
 from study.declared.parameters import CaseName, Count
 from study.studies.contacts import pair_of, printed_beside
+from study.studies.experiments.mechanisms.loss import Loss, loss_tables
 from study.studies.experiments.mechanisms.shallow import (
     Curve,
     Shallow,
@@ -24,7 +25,6 @@ from study.studies.experiments.mechanisms.shallow import (
     shallow_series,
 )
 from study.studies.experiments.mechanisms.slope import Slope, slope_tables
-from study.studies.experiments.mechanisms.speed_and_angle import SpeedAndAngle, speed_tables
 from study.studies.experiments.mechanisms.spin import Spin, spin_tables
 from study.studies.experiments.mechanisms.spore import CAMERA, Spore, spore_tables
 from study.studies.samples import Sampling
@@ -53,17 +53,16 @@ class Params:
     slope: Slope
     spore: Spore
     shallow: Shallow
-    speed: SpeedAndAngle
+    loss: Loss
     drawn_case: CaseName
 
 
 def run(params: Params, inputs: Tables) -> Tables:
     """Quantify every mechanism.
 
-    Spin: ``spin_mechanism``, ``spin_needed``, ``rolling_limits``, ``spin_or_tilt``. Slopes:
-    ``slope_mechanism``, ``surface_pairs``, ``slope_needed``, ``formica_mechanism``. Spores:
-    ``spore_mechanism``, ``spore_trends``, ``spore_comparison``, ``smooth_spore``. Shallow angles:
-    ``adhesion_or_roughness``. Speed and angle: ``speed_and_angle``, ``impulse_regions``,
+    Spin: ``spin_mechanism``, ``spin_needed``, ``spin_or_tilt``. Slopes: ``slope_mechanism``,
+    ``surface_pairs``, ``formica_mechanism``. Spores: ``spore_mechanism``, ``spore_trends``,
+    ``spore_comparison``, ``smooth_spore``. Shallow angles: ``adhesion_or_roughness``. Energy loss:
     ``loss_slopes``, ``loss_resolution``. ``causes``, ``causes_slope``, ``causes_shallow``: data of
     the figure.
     """
@@ -80,7 +79,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         **slope_tables(params.slope, sampling, inputs),
         **spore_tables(params.spore, sampling, params.instrument, inputs),
         "adhesion_or_roughness": pd.DataFrame(adhesion_or_roughness(params.shallow, curves)),
-        **speed_tables(params.speed, sampling, inputs),
+        **loss_tables(params.loss, sampling, inputs),
     }
     printed = printed_beside(inputs, *pair_of(inputs, params.spore.spore.case))
     return {**tables, **figure_data(params, tables, curves, printed)}

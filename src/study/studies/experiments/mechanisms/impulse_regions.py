@@ -10,6 +10,10 @@ import numpy as np
 from microimpact.core.arrays import FloatArray
 
 MOST_KNOTS = 3
+# Angles at which regions are looked for, denser than the article's 14.
+REGION_ANGLES = np.array(
+    [*range(87, 54, -3), *range(55, 44, -2), *range(42, 17, -3), 16, 14, *range(12, 7, -1)], float
+)
 
 
 def segments(x: FloatArray, y: FloatArray, error: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -61,7 +65,7 @@ def _fits(
 def regions(
     angle: FloatArray, ratio: FloatArray, error: FloatArray, constant_within: float
 ) -> list[dict[str, Any]]:
-    """Return the regions of a mean impulse ratio, from steep to shallow angles.
+    """Return kind and width of the regions of a mean impulse ratio, from steep to shallow angles.
 
     Piecewise linear in the cotangent: rolling spheres follow a line there, sliding ones a
     constant. Rolling is the first segment; sliding the longest of the others over which the ratio
@@ -87,12 +91,7 @@ def regions(
     return [
         {
             "region": _kind(k, sliding),
-            "from_deg": ends[k],
-            "to_deg": ends[k + 1],
             "width_deg": ends[k] - ends[k + 1],
-            "impulse_ratio_from": values[k],
-            "impulse_ratio_to": values[k + 1],
-            "relative_change": relative[k],
         }
         for k in range(len(change))
     ]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
 from microimpact.model.calibration import hertz_damping_for
-from study.declared.parameters import AngleDegrees, CaseName, Count, Fraction, NonNegative, Positive
+from study.declared.parameters import CaseName, Count, Fraction, NonNegative, Positive
 from study.studies.samples import Dropped, Sample, Sampling
 from study.tables import Tables
 
@@ -35,15 +35,11 @@ class Shallow:
     restitution: Fraction  # At normal incidence
     # Number of normal speeds from the slowest that rebounds to where sliding ends.
     normal_speeds: Count
-    # Angles between which the change at the slower speed is taken.
-    trend_deg: tuple[AngleDegrees, AngleDegrees]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Curve:
-    """Mean impulse ratio of one speed against angle (degrees) and normal speed (m/s)."""
+class Curve(NamedTuple):
+    """Mean impulse ratio of one speed against normal speed (m/s), nan where too few rebound."""
 
-    angle: FloatArray
     normal_speed: FloatArray
     ratio: FloatArray
 
@@ -91,47 +87,32 @@ def _curve(params: Shallow, sample: Sample, speed: float, normal_speed: FloatArr
             f"shallow.speeds_m_per_s: at {speed:g} m/s nearly all spheres are captured below "
             f"{STEEPEST_DEG:g} deg; there is nothing to compare"
         )
-    return Curve(angle=angle, normal_speed=normal_speed, ratio=ratio)
+    return Curve(normal_speed, ratio)
 
 
 def adhesion_or_roughness(
     params: Shallow, curves: Mapping[tuple[str, str], tuple[Curve, Curve]]
 ) -> Iterator[dict[str, Any]]:
-    """Yield how far the curves of both speeds lie apart at equal normal speed and equal angle.
+    """Yield the spread of both speeds at equal normal speed, and the rise at the shallowest angle.
 
-    The spread is the largest difference over the friction coefficient.
+    The spread is the largest difference, where both are known; both are over the friction
+    coefficient.
     """
     friction = params.dropped.friction
     for (case, cause), (slow, fast) in curves.items():
-        by_speed = _spread(slow.normal_speed, slow.ratio, fast.normal_speed, fast.ratio)
-        by_angle = _spread(slow.angle, slow.ratio, fast.angle, fast.ratio)
-        finite = np.isfinite(fast.ratio)
-        shallowest = int(np.flatnonzero(finite)[0])
-        steep, flat = sorted(params.trend_deg, reverse=True)
-        rebounding = np.isfinite(slow.ratio)
-        known = slow.angle[rebounding], slow.ratio[rebounding]
-        trend = np.interp([flat, steep], *known, left=np.nan)
+        slower, faster = (
+            Curve(curve.normal_speed[known], curve.ratio[known])
+            for curve in (slow, fast)
+            for known in [np.isfinite(curve.ratio)]
+        )
+        there = np.interp(slower.normal_speed, *faster, left=np.nan, right=np.nan)
         yield {
             "case": case,
             "cause": cause,
-            "spread_at_equal_normal_speed": by_speed / friction,
-            "spread_at_equal_angle": by_angle / friction,
-            "collapses_in": "normal speed" if by_speed < by_angle else "angle",
-            "shallowest_rebound_deg": fast.angle[shallowest],
-            "rise_at_shallowest_rebound": fast.ratio[shallowest] / friction,
-            "shallowest_rebound_at_slower_speed_deg": slow.angle[rebounding][0],
-            "change_at_slower_speed_towards_shallow": trend[0] - trend[1],
+            "spread_at_equal_normal_speed": np.nanmax(np.abs(slower.ratio - there)) / friction,
+            "rise_at_shallowest_rebound": faster.ratio[0] / friction,
             "evidence": "virtual experiment",
         }
-
-
-def _spread(x: FloatArray, y: FloatArray, other_x: FloatArray, other_y: FloatArray) -> float:
-    """Largest difference of two curves where both are known."""
-    known, other_known = np.isfinite(y), np.isfinite(other_y)
-    there = np.interp(
-        x[known], other_x[other_known], other_y[other_known], left=np.nan, right=np.nan
-    )
-    return float(np.nanmax(np.abs(y[known] - there)))
 
 
 def shallow_series(

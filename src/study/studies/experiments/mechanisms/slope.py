@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
-from study.declared.parameters import AngleDegrees, CaseName, Name, NonNegative, Positive
+from study.declared.parameters import AngleDegrees, CaseName, Name, NonNegative
 from study.studies.samples import (
     Dropped,
     Sample,
@@ -17,12 +16,8 @@ from study.studies.samples import (
     difference_columns,
     half_width,
     mean_columns,
-    setting_for,
 )
 from study.tables import Tables
-
-# A measured restitution is sought between these slopes.
-SLOPE_RANGE = (0.0, 0.6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,9 +42,6 @@ class Slope:
     # Steel and spores on one rough surface.
     formica_steel: Dropped
     formica_spore: Dropped
-    # Measured restitution at these angles for which the slope is sought.
-    needed_angles_deg: tuple[AngleDegrees, ...]
-    needed_restitution: Positive
 
 
 def slope_tables(params: Slope, sampling: Sampling, inputs: Tables) -> dict[str, pd.DataFrame]:
@@ -57,7 +49,6 @@ def slope_tables(params: Slope, sampling: Sampling, inputs: Tables) -> dict[str,
     return {
         "slope_mechanism": pd.DataFrame(sweep_rows(params, sampling, inputs)),
         "surface_pairs": pd.DataFrame(pair_rows(params, sampling, inputs)),
-        "slope_needed": pd.DataFrame(needed_rows(params, sampling, inputs)),
         "formica_mechanism": pd.DataFrame(formica_comparison(params, sampling, inputs)),
     }
 
@@ -95,32 +86,10 @@ def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dic
             yield {
                 "pair": name,
                 "case": pair.rough.case,
-                "adhesion_factor": pair.adhesion_factor,
-                "slope_sd": pair.rough.slope_sd,
                 "angle_deg": angle,
                 **mean_columns(rough),
                 **columns,
-                "difference_of_squared_restitutions": predicted,
                 "loss_less_squares_over_half_width": error / width,
-                "evidence": "virtual experiment",
-            }
-
-
-def needed_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dict[str, Any]]:
-    """Slope at which the measured restitution is as sought."""
-    for dropped in (*(replace(params.swept, case=c) for c in params.cases), params.formica_steel):
-        sample, aim = Sample.of(dropped, sampling, inputs), params.needed_restitution
-
-        def sloped(slope: float, sample: Sample = sample) -> Sample:
-            return sample.but(surface_slope=slope)
-
-        for angle in params.needed_angles_deg:
-            yield {
-                "case": dropped.case,
-                "angle_deg": angle,
-                "restitution": aim,
-                "slope_sd_needed": setting_for(sloped, "restitution", angle, aim, *SLOPE_RANGE),
-                "declared_slope_sd": dropped.slope_sd,
                 "evidence": "virtual experiment",
             }
 
@@ -143,6 +112,5 @@ def formica_comparison(
                 # Captured particles have a restitution of zero.
                 "spore_bias_of_conditional_mean": free * spore_seen.captured_share,
                 "evidence": "virtual experiment",
-                "squared_sine": np.sin(np.radians(angle)) ** 2,
             }
         )

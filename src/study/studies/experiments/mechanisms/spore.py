@@ -14,7 +14,6 @@ from microimpact.lab.events import Measured
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.ptis.system import ImagingSystem
-from microimpact.lab.reduction import QUANTITIES
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
@@ -110,7 +109,6 @@ class Spore:
     slope_sds: tuple[NonNegative, ...]  # Other slopes tried
     # Standard deviations of the offset of the point of contact over the radius.
     offset_sds: tuple[NonNegative, ...]
-    mean_spin: Fraction  # r omega/v, tried as a cause
     # Angles, events and particles of the sample seen by the imaging system.
     seen_deg: tuple[AngleDegrees, ...]
     seen_events: Count
@@ -145,12 +143,12 @@ def spore_tables(
         for name, samples in samples_by_cause.items()
         for angle, one in samples.items()
     ]
-    rows = [trend_row(name, samples, sampling) for name, samples in samples_by_cause.items()]
-    second = {"mechanism": "second contacts, added to slopes"}
-    rows.append(
-        second
-        | trends(samples_by_cause["slopes"], sampling, samples_by_cause["slopes, first contacts"])
-    )
+    rows = [
+        {"mechanism": name} | trends(samples, sampling)
+        for name, samples in samples_by_cause.items()
+    ]
+    slopes, first = (samples_by_cause[name] for name in ("slopes", "slopes, first contacts"))
+    rows.append({"mechanism": "second contacts, added to slopes"} | trends(slopes, sampling, first))
     return {
         "spore_mechanism": pd.DataFrame(means),
         "spore_trends": pd.DataFrame(rows),
@@ -161,7 +159,6 @@ def spore_tables(
 
 def causes(params: Spore) -> dict[str, Callable[[Sample, float], Seen]]:
     """Return the causes by name: the rebounds of spores with their slopes, at an angle."""
-    spin = replace(params.spore.spin, mean=params.mean_spin)
 
     def but(slopes: Sample, angle: float, **changes: Any) -> Seen:
         return slopes.but(**changes).seen(angle)
@@ -173,18 +170,9 @@ def causes(params: Spore) -> dict[str, Callable[[Sample, float], Seen]]:
         "none": partial(but, particle_slope=0.0),
         "slopes, first contacts": partial(Sample.seen, most_contacts=1),
         "slopes": Sample.seen,
-        "spin with a mean": partial(but, particle_slope=0.0, spin=spin),
         **{f"slopes of {sd:g}": partial(but, particle_slope=sd) for sd in params.slope_sds},
         **{f"off centre, {sd:g}": partial(off, sd=sd) for sd in params.offset_sds},
     }
-
-
-def trend_row(name: str, samples: Mapping[float, Seen], sampling: Sampling) -> dict[str, Any]:
-    """Return the trends that the article describes, over half-widths, and where e is least."""
-    e = {a: one.means["restitution"].value for a, one in samples.items()}
-    present = {a: value for a, value in e.items() if np.isfinite(value)}
-    least = min(present, key=lambda a: present[a], default=np.nan)  # None may be seen
-    return {"mechanism": name, "angle_of_least_restitution_deg": least} | trends(samples, sampling)
 
 
 def trends(
@@ -226,12 +214,9 @@ def comparison(params: Spore, sampling: Sampling, inputs: Tables) -> Iterator[di
     for case in params.steel_cases:
         steel = calibrated(replace(params.steel, case=case))
         for angle in params.compared_deg:
-            steel_seen, spore_seen = steel.seen(angle), spore.seen(angle)
             yield (
                 {"case": case, "angle_deg": angle}
-                | {f"steel_{name}": steel_seen.means[name].value for name in QUANTITIES}
-                | {f"spore_{name}": spore_seen.means[name].value for name in QUANTITIES}
-                | difference_columns(steel_seen, spore_seen, sampling)
+                | difference_columns(steel.seen(angle), spore.seen(angle), sampling)
                 | {"evidence": "virtual experiment"}
             )
 
@@ -259,7 +244,6 @@ def smooth_spore(params: Spore, contact: Contact) -> pd.DataFrame:
             "angle_deg": angle,
             "normal_speed_m_per_s": normal,
             "restitution": impact.coefficient_of_restitution,
-            "captured": impact.captured,
             "normal_speed_over_quoted_capture_velocity": normal / quoted,
             "angle_of_quoted_capture_velocity_deg": np.degrees(np.arcsin(quoted / speed)),
             "evidence": "computed",

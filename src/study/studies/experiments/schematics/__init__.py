@@ -27,7 +27,6 @@ from study.studies.contacts import calibrated_contact
 from study.studies.experiments.schematics import layout
 from study.tables import Tables, series_frame
 
-Numbers = dict[tuple[str, str], float]
 Parts = Mapping[str, FloatArray]
 
 # Reach of the axes of Fig. 22 and of the path of incidence, in wavelengths.
@@ -68,8 +67,8 @@ def whole(*groups: tuple[Any, ...]) -> pd.DataFrame:
     return pd.concat([parts_frame(*of) for of in groups], ignore_index=True)
 
 
-def contact_state(params: ContactState, inputs: Tables) -> tuple[Numbers, dict[str, pd.DataFrame]]:
-    """Return numbers and tables of Fig. 19: the contact at its greatest compression.
+def contact_state(params: ContactState, inputs: Tables) -> dict[str, pd.DataFrame]:
+    """Return the tables of Fig. 19: the contact at its greatest compression.
 
     The contact radius is ``a = sqrt(r |n|)``, the pressure ``p_0 sqrt(1 - (rho/a)^2)`` with
     ``p_0 = 3 F / (2 pi a^2)`` of the Hertz force F; the ring force f_0 pulls along the edge.
@@ -82,20 +81,11 @@ def contact_state(params: ContactState, inputs: Tables) -> tuple[Numbers, dict[s
     peak = 1.5 * force / (np.pi * a**2)
     ring = float(np.asarray(contact.ring_force))
     share = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, POINTS))
-    numbers = {
-        ("time", "ns"): float(path.time[turn]) * 1e9,
-        ("contact_radius", "um"): a * 1e6,
-        ("compression", "nm"): compression * 1e9,
-        ("peak_pressure", "GPa"): peak * 1e-9,
-        ("hertz_force", "uN"): force * 1e6,
-        ("adhesion_force", "uN"): float(path.adhesion_force[turn]) * 1e6,
-        ("ring_force", "N/m"): ring,
-    }
     section = _section(float(contact.radius) * 1e6, a * 1e6)
     frame = partial(series_frame, "stresses", x_unit="um")
     pressure = peak * np.sqrt(np.maximum(1.0 - share**2, 0.0)) * 1e-9
     edge = np.array([-a, a]) * 1e6
-    return numbers, {
+    return {
         "fig19": parts_frame("section", section, "computed", "um"),
         "fig19_pressure": frame("pressure", a * share * 1e6, pressure, y_unit="GPa"),
         "fig19_ring": frame("ring tension", edge, -ring, y_unit="N_per_m"),
@@ -125,8 +115,8 @@ def _section(radius: float, a: float) -> dict[str, FloatArray]:
     }
 
 
-def wavy_surface(params: WavySurface) -> tuple[Numbers, pd.DataFrame]:
-    """Return numbers and table of Fig. 22, with the point of impact at the origin.
+def wavy_surface(params: WavySurface) -> pd.DataFrame:
+    """Return the table of Fig. 22, with the point of impact at the origin.
 
     A slope that faces the sphere, which moves towards +t, has phi > 0: the local angle of
     incidence is alpha + phi (Eqs. 35, 36).
@@ -171,12 +161,8 @@ def wavy_surface(params: WavySurface) -> tuple[Numbers, pd.DataFrame]:
         "local tangent": np.array([origin, axis * t_local]),
         "local normal": np.array([origin, axis * n_local]),
     }
-    numbers = {
-        ("slope_angle", "deg"): float(np.degrees(phi)),
-        ("local_angle_of_incidence", "deg"): float(np.degrees(alpha + phi)),
-    }
     kinds = ("geometry", assumed, "assumed", "um"), ("geometry", computed, "computed", "um")
-    return numbers, whole(*kinds)
+    return whole(*kinds)
 
 
 def _axes(turn: float) -> tuple[FloatArray, FloatArray]:
@@ -257,20 +243,10 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``fig01``, ``fig02``: parts of the set-ups, mm on the drawing. ``fig03``, ``fig13``: velocities,
     and impulses over the mass, m/s; a spin is the speed of the rim. ``fig19``: section of the
     sphere, um; ``fig19_pressure``: Hertz pressure, GPa, over the radius; ``fig19_ring``: force per
-    length of the edge, N/m. ``fig22``: surface and axes, um. ``schematic_values``: the numbers
-    behind Figs. 3, 13, 19 and 22. Raises ValueError if the sphere of Fig. 22 cannot touch the
-    surface at its place.
+    length of the edge, N/m. ``fig22``: surface and axes, um. Raises ValueError
+    if the sphere of Fig. 22 cannot touch the surface at its place.
     """
     motion = velocities(params.rebound, params.rebound.angle_deg, params.rebound.spin_ratio)
-    contact, contact_tables = contact_state(params.contact, inputs)
-    geometry, surface = wavy_surface(params.wavy_surface)
-    units = {(name, "-" if name == "mu" else "m/s"): value for name, value in motion.items()}
-    groups = {"fig03 fig13": units, "fig19": contact, "fig22": geometry}
-    rows = [
-        (figures, quantity, value, unit)
-        for figures, numbers in groups.items()
-        for (quantity, unit), value in numbers.items()
-    ]
     return {
         "fig01": imaging_system(params.set_ups, params.rebound),
         "fig02": doppler_analyser(params.set_ups),
@@ -278,9 +254,8 @@ def run(params: Params, inputs: Tables) -> Tables:
         "fig13": pd.concat(
             [_vectors(panel, motion, names) for panel, names in FIG13.items()], ignore_index=True
         ),
-        **contact_tables,
-        "fig22": surface,
-        "schematic_values": pd.DataFrame(rows, columns=["figures", "quantity", "value", "unit"]),
+        **contact_state(params.contact, inputs),
+        "fig22": wavy_surface(params.wavy_surface),
     }
 
 
@@ -314,8 +289,7 @@ def doppler_analyser(set_ups: SetUps) -> pd.DataFrame:
 def velocities(rebound: DrawnRebound, angle: float, spin_ratio: float) -> dict[str, float]:
     """Return velocities before (lower case) and after a rigid body impact, and its impulses.
 
-    Spins are given as the speed of the rim, impulses over the mass: all in m/s; ``mu`` is the
-    signed impulse ratio.
+    Spins are given as the speed of the rim, impulses over the mass: all in m/s.
     """
     speed = rebound.speed_m_per_s
     v_n, v_t = (float(v) for v in velocity_components(np.asarray(speed), np.asarray(angle)))
@@ -332,7 +306,6 @@ def velocities(rebound: DrawnRebound, angle: float, spin_ratio: float) -> dict[s
         "r Omega": float(after.Omega),
         "P_n": V_n - v_n,
         "P_t": V_t - v_t,
-        "mu": float(after.mu),
     }
 
 

@@ -14,8 +14,8 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.lab.events import Impacts
+from microimpact.lab.ptis.experiment import ImagedEvents, modelled, photographed
 from microimpact.lab.ptis.frames import render
-from microimpact.lab.ptis.observation import ImagedEvents, modelled, photographed
 from microimpact.lab.ptis.system import (
     ImagingSystem,
     Setup,
@@ -23,21 +23,24 @@ from microimpact.lab.ptis.system import (
     draw_systematics,
     event_generator,
 )
-from microimpact.lab.ptis.tracks import Rejection, Track, measure
+from microimpact.lab.ptis.tracks import Track, measure
+from microimpact.model.dynamics.impact import velocity_components
+from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.statistics.distributions import generator
-from study.declared.parameters import Count, Fraction, Must, Name, ObliqueDegrees, Positive
-from study.studies.experiments.track_imaging.agreement import (
-    LEGS,
-    RigidSpheres,
-    Tolerances,
-    compared,
-    impacts,
-    residual_rows,
-    speed_and_angle_errors,
-    verdicts,
+from study.declared.parameters import (
+    Count,
+    Fraction,
+    Must,
+    NonNegative,
+    ObliqueDegrees,
+    Positive,
 )
 from study.tables import Tables, not_computed, reason, series_frame
 
+LEGS = ("incident", "rebound")
+
+# A speed can be measured, if slowly, with this share of the events observed, and up to this bias.
+LEAST_OBSERVED, LARGEST_BIAS = 0.1, 0.02
 # Dashes of each leg that are shown, room around them, px, and points of a fitted path.
 SHOWN = 5
 MARGIN_PX = 12
@@ -45,18 +48,61 @@ POINTS = 200
 FRAME_PITCH = 25.0  # Between the dashes of the frame, px: several near the impact
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RigidSpheres:
+    """Spheres of one size that rebound by the rigid body rule, so that the truth is simple."""
+
+    diameter_um: Positive  # Of all of them
+    # Of the rigid body rule.
+    restitution: Fraction
+    friction: NonNegative
+    # Standard deviations per horizontal axis.
+    lateral_speed_m_per_s: NonNegative
+    lateral_position_mm: NonNegative
+
+
+def impacts(
+    particles: RigidSpheres, n: int, speed: float, angle: float, rng: np.random.Generator
+) -> Impacts:
+    """Return n impacts at a speed in m/s and an angle of incidence in degrees."""
+    alpha = np.radians(angle)
+    v_n, v_t = velocity_components(speed, angle)
+    lateral = particles.lateral_speed_m_per_s * rng.standard_normal((n, 2))
+    position = 1e-3 * particles.lateral_position_mm * rng.standard_normal((n, 2))
+    velocity = np.stack(
+        [v_t + lateral[:, 0] * np.sin(alpha), lateral[:, 1], v_n + lateral[:, 0] * np.cos(alpha)],
+        axis=1,
+    )
+    # Steered away from a nearly vertical target, a particle would never arrive.
+    velocity[:, 2] = np.minimum(velocity[:, 2], 0.1 * v_n)
+    along = np.hypot(velocity[:, 0], velocity[:, 1])
+    radius = 0.5e-6 * particles.diameter_um
+    rigid = rigid_body_rebound(
+        velocity[:, 2], along, 0.0, radius, particles.restitution, particles.friction
+    )
+    after = velocity * (rigid.V_t / along)[:, None]
+    after[:, 2] = rigid.V_n
+    return Impacts(
+        time=np.arange(n, dtype=float),
+        diameter=np.full(n, 2.0 * radius),
+        position=position / [np.sin(alpha), 1.0],
+        velocity=velocity,
+        spin=np.zeros((n, 3)),
+        rebound_velocity=after,
+        rebound_spin=np.zeros((n, 3)),
+        captured=np.zeros(n, dtype=bool),
+        contacts=np.ones(n, dtype=np.int64),
+    )
+
+
 def pixels(frame: NDArray[np.uint8], track: Track, setup: Setup) -> pd.DataFrame:
     """Return the grey levels around a track: one series per row, of the row's number."""
-    lines = setup.instrument.frame_px[1] // frame.shape[0]
     left, top, right, bottom = window(track, setup)
     columns = np.arange(left, right)
     of_row = partial(
         series_frame, "pixels", evidence="virtual experiment", x_unit="px", y_unit="counts"
     )
-    frames = [
-        of_row(str(row * lines), columns, frame[row, left:right])
-        for row in range(top // lines, bottom // lines)
-    ]
+    frames = [of_row(str(row), columns, frame[row, left:right]) for row in range(top, bottom)]
     return pd.concat(frames, ignore_index=True)
 
 
@@ -100,7 +146,8 @@ def _places(points: FloatArray, setup: Setup) -> FloatArray:
     return setup.centre + points * [1.0, -1.0] / setup.pixel
 
 
-RANGE, ERRORS, FRAME = range(3)
+# Places of the parts among the draws of the study.
+RANGE, FRAME = 0, 2
 FRAMES, STRAIGHT, MODEL = "frames", "straight lines", "model"
 # Systematic errors would look like a bias of the reduction.
 EXACT = Systematics()
@@ -116,10 +163,10 @@ class Incidence:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Ranges that are searched, and the share of events that counts as measurable.
+    """Ranges of speed, angle and field of view that are searched.
 
-    A field of view covers a speed if at least `least_observed` of the events show enough dashes in
-    both legs and the mean speed is off by at most `largest_bias`. The chopper is set to each of
+    A field of view covers a speed if at least `LEAST_OBSERVED` of the events show enough dashes in
+    both legs and the mean speed is off by at most `LARGEST_BIAS`. The chopper is set to each of
     `dash_pitches_px` and the best is taken. Frames are rendered for the best field of view at
     `drawn_angle_deg`.
     """
@@ -133,40 +180,28 @@ class Params:
     dash_pitches_px: tuple[Positive, ...]
     modelled_events: Annotated[int, Field(ge=2)]
     rendered_events: Annotated[int, Field(ge=2)]
-    least_observed: Fraction
-    largest_bias: Fraction
     drawn_angle_deg: Annotated[ObliqueDegrees, Must("one of", "angles_deg")]
-    error_cases: dict[Name, Incidence]
-    experiments: Count
-    events: Annotated[int, Field(ge=2)]
-    tolerances: Tolerances
+    events: Count  # Impacts tried for the frame that is shown
     frame: Incidence
 
 
 def run(params: Params, inputs: Tables) -> Tables:
-    """Search the range of the instrument, and compare frames, error model and truth.
+    """Search the range of the instrument, and compare frames and error model with the truth.
 
     ``ptis_range``: per speed, angle and field of view, the chopper's setting, share observed, bias
-    and scatter. ``ptis_views``: which speeds each field of view covers. ``ptis_errors``: residuals
-    of frames in units of the error model. ``ptis_agreement``: whether the error model agrees with
-    the frames. ``ptis_losses``: fates of events. ``ptis_frame``, ``ptis_pixels``: one frame with
-    its track, or why none can be measured. ``ptis_accuracy``: errors of the speed against the
-    speed. Raises ValueError if nothing can be measured at the angle drawn.
+    and scatter. ``ptis_frame``, ``ptis_pixels``: one frame with its track, or why none can be
+    measured. ``ptis_accuracy``: errors of the speed against the speed. Raises ValueError if nothing
+    can be measured at the angle drawn.
     """
     searched = pd.DataFrame(search(params))
-    rendered, lost = rendered_range(params, searched)
+    rendered = pd.DataFrame(rendered_range(params, searched))
     ranges = pd.concat([searched, rendered], ignore_index=True)
-    errors, agreement, fates = error_cases(params)
     try:
         frame, track = one_frame(params)
     except ValueError as error:
         frame = track = not_computed(reason("track_imaging", error))
     return {
         "ptis_range": ranges,
-        "ptis_views": views(params, searched),
-        "ptis_errors": errors,
-        "ptis_agreement": agreement,
-        "ptis_losses": pd.concat([lost, fates], ignore_index=True),
         "ptis_frame": track,
         "ptis_pixels": frame,
         "ptis_accuracy": accuracy(params, ranges),
@@ -182,8 +217,9 @@ def search(params: Params) -> Iterator[dict[str, Any]]:
                 rows = []
                 for pitch in params.dash_pitches_px:
                     setup = _setup(params, speed, angle, pixel, pitch)
-                    seen = modelled(true, setup, EXACT, rng)
-                    rows.append(_summary(params, setup, MODEL, seen, true))
+                    draws = [event_generator(rng, i) for i in range(len(true))]
+                    seen = modelled(true, setup, EXACT, draws)
+                    rows.append(_summary(setup, MODEL, seen, true))
                 yield max(rows, key=lambda row: float(row["fraction_observed"]))
 
 
@@ -202,46 +238,34 @@ def _arriving(
     return true, generator(params.seed, *key, 1)
 
 
-def _summary(
-    params: Params, setup: Setup, method: str, observation: ImagedEvents, true: Impacts
-) -> dict[str, Any]:
+def _summary(setup: Setup, method: str, observation: ImagedEvents, true: Impacts) -> dict[str, Any]:
     measured = observation.measured
-    width, height = setup.instrument.frame_px
     row: dict[str, Any] = {
         "speed_m_per_s": setup.speed,
         "angle_deg": setup.angle,
         "pixel_um": setup.instrument.pixel_um,
-        "view_width_mm": width * setup.pixel * 1e3,
-        "view_height_mm": height * setup.pixel * 1e3,
+        "view_width_mm": setup.instrument.frame_px[0] * setup.pixel * 1e3,
         "dash_pitch_px": setup.speed / setup.chop_rate / setup.pixel,
         "chop_per_s": setup.chop_rate,
         "disk_rev_per_min": setup.disk_speed,
-        "pulses_per_field": setup.chop_rate / setup.instrument.fields_per_s,
         "fall_height_mm": setup.speed**2 / (2.0 * np.linalg.norm(setup.gravity)) * 1e3,
         "method": method,
         "events": len(true),
         "fraction_observed": len(measured) / len(true),
     }
     exact = true.in_plane.velocities[measured.event]
-    errors = speed_and_angle_errors(measured.velocities, exact)
-    for k, leg in enumerate(LEGS):
-        for error, name in zip(errors, ("speed_error", "direction_error_deg"), strict=True):
-            component = error[:, k]
-            row[f"{leg}_{name}"] = float(np.mean(component)) if component.size else np.nan
-            row[f"{leg}_{name}_sd"] = (
-                float(np.std(component, ddof=1)) if component.size > 1 else np.nan
-            )
+    size, true_size = (np.linalg.norm(each, axis=2) for each in (measured.velocities, exact))
+    for leg, error in zip(LEGS, (size / true_size - 1.0).T, strict=True):
+        row[f"{leg}_speed_error"] = float(np.mean(error)) if error.size else np.nan
+        row[f"{leg}_speed_error_sd"] = float(np.std(error, ddof=1)) if error.size > 1 else np.nan
     bias = max(abs(row[f"{leg}_speed_error"]) for leg in LEGS)
-    enough = row["fraction_observed"] >= params.least_observed
-    return {**row, "covered": bool(enough and bias <= params.largest_bias)}
+    enough = row["fraction_observed"] >= LEAST_OBSERVED
+    return {**row, "covered": bool(enough and bias <= LARGEST_BIAS)}
 
 
-def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return rows by frames at the angle drawn, at the best field of view of every speed.
-
-    And the losses.
-    """
-    rows, lost = [], []
+def rendered_range(params: Params, searched: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return rows by frames at the angle drawn, at the best field of view of every speed."""
+    rows = []
     drawn = searched[searched["angle_deg"] == params.drawn_angle_deg]
     best = drawn.loc[drawn.groupby("speed_m_per_s", sort=False)["fraction_observed"].idxmax()]
     names = ["speed_m_per_s", "angle_deg", "pixel_um", "dash_pitch_px"]
@@ -251,71 +275,12 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame
         frames = photographed(true, setup, EXACT, rng)
         for method, with_gravity in ((FRAMES, True), (STRAIGHT, False)):
             seen = frames.reduced(setup, with_gravity=with_gravity)
-            rows.append(_summary(params, setup, method, seen, true))
-            if method == FRAMES:
-                lost.append(_fates(setup, method, seen.fates))
+            rows.append(_summary(setup, method, seen, true))
     if not rows:
         raise ValueError(
             f"drawn_angle_deg: at {params.drawn_angle_deg:g} deg no speed is measurable"
         )
-    return pd.DataFrame(rows), pd.concat(lost, ignore_index=True)
-
-
-def _fates(setup: Setup, method: str, fates: tuple[str, ...]) -> pd.DataFrame:
-    counts = pd.Series(fates).value_counts().sort_index()
-    return pd.DataFrame(
-        {
-            "speed_m_per_s": setup.speed,
-            "angle_deg": setup.angle,
-            "pixel_um": setup.instrument.pixel_um,
-            "method": method,
-            "fate": counts.index,
-            "events": counts.to_numpy(),
-            "fraction": counts.to_numpy() / len(fates),
-        }
-    )
-
-
-def views(params: Params, searched: pd.DataFrame) -> pd.DataFrame:
-    """Return which of the speeds each field of view covers, and whether one covers them all."""
-    view = ["pixel_um", "view_width_mm", "view_height_mm", "angle_deg"]
-    covered = searched.assign(speed=searched["speed_m_per_s"].where(searched["covered"]))
-    view_rows = covered.groupby(view, as_index=False).agg(
-        speeds_covered=("speed", "count"),
-        lowest_m_per_s=("speed", "min"),
-        highest_m_per_s=("speed", "max"),
-    )
-    return view_rows.assign(covers_range=view_rows["speeds_covered"] == len(params.speeds_m_per_s))
-
-
-def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """Compare frames with the error model, event by event, over whole experiments.
-
-    Residuals per case, verdicts over all, and fates of the events.
-    """
-    cases, lost = [], []
-    for number, case in enumerate(params.error_cases.values()):
-        setup = Setup(
-            instrument=params.instrument,
-            angle=case.angle_deg,
-            speed=case.speed_m_per_s,
-            diameter=params.particles.diameter_um * 1e-6,
-        )
-        experiments = []
-        for experiment in range(params.experiments):
-            key = ERRORS, number, experiment
-            drawn = generator(params.seed, *key, 0)
-            true = impacts(params.particles, params.events, setup.speed, setup.angle, drawn)
-            experiments.append(compared(true, setup, generator(params.seed, *key, 1)))
-        cases.append((setup, experiments))
-        for method in (FRAMES, MODEL):
-            fates = [fate for one in experiments for fate in getattr(one, method).fates]
-            lost.append(_fates(setup, method, tuple(fates)))
-    return (
-        pd.DataFrame([row for case in cases for row in residual_rows(*case)]),
-        pd.DataFrame(verdicts(cases, params.tolerances)),
-        pd.concat(lost, ignore_index=True),
-    )
+    return rows
 
 
 def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -324,8 +289,7 @@ def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
     Raises ValueError if none of an experiment is.
     """
     case, pixel = params.frame, params.instrument.pixel_um
-    pitch = FRAME_PITCH
-    setup = _setup(params, case.speed_m_per_s, case.angle_deg, pixel, pitch)
+    setup = _setup(params, case.speed_m_per_s, case.angle_deg, pixel, FRAME_PITCH)
     true = impacts(
         params.particles, params.events, setup.speed, setup.angle, generator(params.seed, FRAME, 0)
     )
@@ -334,7 +298,7 @@ def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
     for i in range(len(true)):
         frame = render(true, i, setup, errors, event_generator(rng, i))
         track = measure(frame, setup)
-        if not isinstance(track, Rejection):
+        if track:
             return pixels(frame, track, setup), drawn_track(track, setup)
     where = f"{case.speed_m_per_s:g} m/s and {case.angle_deg:g} deg"
     raise ValueError(f"frame: none of {len(true)} impacts at {where} can be measured")
