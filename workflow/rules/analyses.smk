@@ -48,19 +48,14 @@ rule monte_carlo_part:
 
 
 use rule study as monte_carlo with:
-    """data/fig23.csv; tables/monte_carlo*.csv and slope_inference.csv."""
+    """data/fig23.csv; tables/monte_carlo.csv, slope_inference.csv."""
     input:
         **tables("calibration"),
         samples=sample_files("monte_carlo"),
         # A single part is made at once.
         parts=MONTE_CARLO_PARTS[1:] and MONTE_CARLO_PARTS,
     output:
-        **tables(
-            "monte_carlo",
-            "monte_carlo_sampling",
-            "monte_carlo_ablation",
-            "slope_inference",
-        ),
+        **tables("monte_carlo", "slope_inference"),
         **data("fig23"),
     pathvars:
         study="monte_carlo",

@@ -57,22 +57,15 @@ def test_slopes_are_drawn_as_inferred(tables, means):
     assert np.isnan(none["slope_sd"])
 
 
-def test_the_whole_study_runs_on_the_simulation(run_study, calibration, settings):
-    branch = settings.branches["monte_carlo"]
-    small = {"replicates": 2, "events": 64}
-    found = run_study(
-        "monte_carlo",
-        calibration,
-        model="simulation",
-        plan={**branch["plan"], **small},
-        comparison={**branch["comparison"], **small},
-        slope_inference={
-            **branch["slope_inference"],
-            "restitution_half_width": 0.0,
-            "plan": {**branch["plan"], **small},
-        },
-        variants=dict.fromkeys(list(branch["variants"])[1:]),
-        points=10,
+def test_declared_slopes_take_the_place_of_inferred_ones(run_study, calibration, tables, settings):
+    plan = {**settings.branches["monte_carlo"]["plan"], "events": 1024}
+    sd = tables["slope_inference"].set_index("variant")["slope_sd"]["equal weights"]
+    slope = {"kind": "normal", "sd": float(sd)}
+    declared = run_study("monte_carlo", calibration, plan=plan, process={"slope": slope})
+    assert declared["slope_inference"].equals(tables["slope_inference"])
+    name = "variant == 'equal weights'"
+    same, wider = (
+        declared["monte_carlo"].query(f"variant {is_} 'equal weights'") for is_ in ("==", "!=")
     )
-    relative = found["monte_carlo"].set_index("angle_deg")["relative_restitution"]
-    assert relative[20.0] > 0.1
+    assert same.equals(tables["monte_carlo"].query(name))
+    assert wider["restitution"].iloc[0] > 1.2 * tables["monte_carlo"]["restitution"].iloc[21]

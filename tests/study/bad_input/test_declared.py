@@ -109,7 +109,7 @@ CASES = [
     (LABORATORY, "      sd: {value: 9.0,", "      sd: {value: -9.0,", ["particles.SST65.diameter_um.sd: -9.0 must be greater than"]),
     (LABORATORY, "surfaces:\n", "surfaces: 3\nnone:\n", ["surfaces: 3 must be a mapping"]),
     (LABORATORY, "\ncases:\n", "\ncases: []\nnone:\n", ["cases: [] must be a mapping"]),
-    (ANALYSES, "friction: {kind: constant, at:", "friction: {kind: constant, value:", [".at: missing", ".value: unknown key (known here: at, kind)"]),
+    (ANALYSES, "      low: {value: 1.61,", "      lower: {value: 1.61,", ["speed_m_per_s.low: missing", "speed_m_per_s.lower: unknown key"]),
     # declared tables
     (MATERIALS, "material,property", "material;property", ["materials.csv: the header is"]),
     (MATERIALS, STEEL, STEEL + ",more", ["materials.csv, line 2: must have 8 fields"]),
