@@ -165,12 +165,16 @@ def test_mean_over_slopes_alone_is_a_known_integral(frictionless, facets, must_l
         edge = np.arcsin(0.3 / 1.7 * np.sin(alpha))
         low, high = np.tan(0.5 * (edge - alpha)), min(high, np.tan(0.5 * (np.pi - edge - alpha)))
     limits = {"limit": 500, "epsabs": 1e-12}
-    top = integrate.quad(lambda x: measured(x) * weight(x), low, high, **limits)[0]
-    bottom = integrate.quad(weight, low, high, **limits)[0]
+    bottom, top, square = (
+        integrate.quad(lambda x, n=n: measured(x) ** n * weight(x), low, high, **limits)[0]
+        for n in range(3)
+    )
     mean = estimate(
         frictionless(e, sd, replace(ARTICLE, facets=facets, must_leave=must_leave)), angle_deg
     )
     assert mean.restitution == pytest.approx(top / bottom, abs=5 * mean.restitution_error + 2e-4)
+    sd = np.sqrt(square / bottom - (top / bottom) ** 2)
+    assert mean.restitution_sd == pytest.approx(sd, rel=0.01)
     assert mean.restitution_error < 2e-3
     assert mean.captured == 0.0
 
