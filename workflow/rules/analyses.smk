@@ -12,9 +12,8 @@ use rule study as declared_inputs with:
 
 
 use rule study as roughness_expansions with:
-    """tables/roughness_expansions.csv, roughness_ranges.csv: Eqs. 35-41; data/roughness.csv."""
+    """data/roughness.csv: Eqs. 35-41, exact, as printed and corrected."""
     output:
-        **tables("roughness_expansions", "roughness_ranges"),
         **data("roughness"),
     pathvars:
         study="roughness_expansions",
