@@ -70,7 +70,6 @@ use rule study as doe with:
         **tables(
             "doe_levels",
             "doe_design",
-            "doe_aliases",
             "doe_effects",
             "doe_bd_aliasing",
             "doe_elasticities",
@@ -87,12 +86,7 @@ use rule study as sensitivity with:
     input:
         **tables("calibration", "calibration_family", "doe_levels", "doe_effects"),
     output:
-        **tables(
-            "sensitivity_indices",
-            "sensitivity_convergence",
-            "sensitivity_groups",
-            "sensitivity_parameters",
-        ),
+        **tables("sensitivity_indices", "sensitivity_convergence", "sensitivity_groups"),
         **data("sobol"),
     pathvars:
         study="sensitivity",
