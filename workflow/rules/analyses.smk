@@ -106,11 +106,11 @@ use rule study as particle_separation with:
 
 
 use rule study as oblique_data with:
-    """tables/oblique_*.csv, tangential_bounds.csv: measured oblique impacts against the laws."""
+    """tables/oblique_*.csv: measured oblique impacts against the laws."""
     input:
         **tables("calibration"),
     output:
-        **tables("oblique_comparison", "oblique_residuals", "tangential_bounds"),
+        **tables("oblique_comparison", "oblique_residuals"),
         **data("oblique_velocity", "oblique_spin", "contact_point"),
     pathvars:
         study="oblique_data",
