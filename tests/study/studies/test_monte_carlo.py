@@ -320,18 +320,16 @@ def test_inferred_slope_gives_back_the_restitution_it_was_inferred_from(ensemble
         restitution=1.0,
         angle_half_width_deg=2.5,
         restitution_half_width=0.05,
-        events_measured=40,
-        laboratory_sd=0.16,
         plan=Plan(replicates=4, events=512),
     )
     flux = ensemble(rules=replace(ARTICLE, facets="seen"))
-    row = infer_slope(flux, settings)
+    row = infer_slope(flux, settings, 40)
     assert row["reached"]
     again = ensemble(slope=Normal(sd=row["slope_sd"]), rules=flux.rules, size=(32, 512))
     assert estimate(again, 20.0).restitution == pytest.approx(1.0, abs=5e-3)
     assert row["u_slope_sd"] > row["u_events_measured"] > 10 * row["u_events_drawn"]
     none = replace(ARTICLE, facets="every", must_leave=False)
-    missed = infer_slope(ensemble(rules=none), settings)
+    missed = infer_slope(ensemble(rules=none), settings, 40)
     assert not missed["reached"]
     assert missed["largest_restitution"] < 1.0
     assert "slope_sd" not in missed

@@ -71,7 +71,7 @@ class Params:
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
     reference_angle_deg: Annotated[AngleDegrees, Must("one of", "angles_deg")]
     points: Points  # Of the deterministic curves
-    # Events behind one measured mean, for the band of such means.
+    # Events behind one measured mean, for the band of such means and the slopes inferred from one.
     events_measured: Annotated[int, Field(ge=2)]
     slope_inference: SlopeInference
 
@@ -139,7 +139,7 @@ def smooth_surfaces(params: Params, inputs: Tables) -> dict[str, Ensemble]:
 def _inferred(params: Params, surface: Ensemble) -> Row:
     """Infer the slopes of a variant, with random numbers of their own."""
     seed = (params.seed, INFERENCE, *surface.seed[2:])
-    return infer_slope(replace(surface, seed=seed), params.slope_inference)
+    return infer_slope(replace(surface, seed=seed), params.slope_inference, params.events_measured)
 
 
 def _rough(params: Params, name: str, surface: Ensemble, inference: Row) -> Ensemble:

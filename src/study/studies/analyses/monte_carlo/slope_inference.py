@@ -12,7 +12,7 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.statistics.distributions import Normal
 from microimpact.statistics.intervals import ERROR_BAR
-from study.declared.parameters import AngleDegrees, Count, NonNegative, Positive
+from study.declared.parameters import AngleDegrees, NonNegative
 from study.studies.analyses.monte_carlo.ensembles import Ensemble, Plan, estimate, replicate_shares
 from study.tables import Row
 
@@ -35,12 +35,10 @@ class SlopeInference:
     # Half-widths of the angle as printed, and of the smooth surface's restitution.
     angle_half_width_deg: NonNegative
     restitution_half_width: NonNegative
-    events_measured: Count  # Events behind one measured mean
-    laboratory_sd: Positive  # That of the virtual laboratory, per axis
     plan: Plan  # Events drawn
 
 
-def infer_slope(ensemble: Ensemble, settings: SlopeInference) -> Row:
+def infer_slope(ensemble: Ensemble, settings: SlopeInference, events_measured: int) -> Row:
     """Return the standard deviation of the slope that meets the restitution, and its uncertainty.
 
     All slopes share their random numbers, so that the restitution is a smooth function of the
@@ -53,6 +51,8 @@ def infer_slope(ensemble: Ensemble, settings: SlopeInference) -> Row:
         Rules, model and all parameters but the slope, which is taken as normal.
     settings
         Restitution to be met.
+    events_measured
+        Events behind one measured mean.
     """
     ensemble = replace(ensemble, plan=settings.plan)
     shares = [replicate_shares(ensemble, 0, number) for number in range(settings.plan.replicates)]
@@ -80,21 +80,18 @@ def infer_slope(ensemble: Ensemble, settings: SlopeInference) -> Row:
     step = STEP * sd
     rate = (measured(sd + step) - measured(sd - step)) / (2.0 * step)
     parts = {
-        "u_events_measured": at.restitution_sd / np.sqrt(settings.events_measured) / rate,
+        "u_events_measured": at.restitution_sd / np.sqrt(events_measured) / rate,
         "u_angle": half_range(settings.angle_half_width_deg, 0.0) / RECTANGULAR,
         "u_smooth_restitution": half_range(0.0, settings.restitution_half_width) / RECTANGULAR,
         "u_events_drawn": at.restitution_error / rate,
     }
     total = float(np.sqrt(sum(np.square(list(parts.values())))))
-    laboratory = settings.laboratory_sd
     return row | {
         "slope_sd": sd,
         **{name: float(value) for name, value in parts.items()},
         "u_slope_sd": total,
         "slope_sd_low": sd - ERROR_BAR * total,
         "slope_sd_high": sd + ERROR_BAR * total,
-        "laboratory_slope_sd": laboratory,
-        "laboratory_within": abs(laboratory - sd) <= ERROR_BAR * total,
     }
 
 
