@@ -290,7 +290,7 @@ def test_rigid_spheres_obey_mechanics_over_all_their_contacts(
     drawn = ensemble(process, of=of, rules=rules, two_axes=two_axes, size=size)
     shares = replicate_shares(drawn, 0, 0)
     speed, diameter = speeds.quantile(shares[0]), sizes.quantile(shares[1])
-    # Half of all slopes across are below zero.
+    # Of all shares the middle one has no slope across.
     pairs = shares[2:].reshape(-1, 2, 256) if two_axes else [(shares[2], np.full(256, 0.5))]
     angle = np.radians(12.0)
     before = speed[:, None] * [np.cos(angle), 0.0, -np.sin(angle)]
