@@ -124,10 +124,10 @@ class RigidBody:
         return cls(law=law, size=float(np.sqrt(size[0] * size[-1])))
 
     def coordinates(self, diameter_um: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the velocity scales of spheres, m/s, and their places in the family."""
+        """Return the velocity scales of spheres, m/s, and their positions in the family."""
         steps, family = (5.0 / 6.0) * np.log(diameter_um / self.size), self.law.family
-        place = np.zeros_like(steps) if family.alike else -steps / family.half_width
-        return np.asarray(family.velocity_scale * np.exp(-steps)), np.asarray(place)
+        position = np.zeros_like(steps) if family.alike else -steps / family.half_width
+        return np.asarray(family.velocity_scale * np.exp(-steps)), np.asarray(position)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -281,14 +281,14 @@ def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: FloatArray) -> 
 
 def _rigid(ensemble: Ensemble, diameter_um: FloatArray) -> Strike:
     """Return the contacts of rigid spheres; their spin is r omega, m/s."""
-    unit, place = ensemble.body.coordinates(diameter_um)
+    unit, position = ensemble.body.coordinates(diameter_um)
     friction = np.full(diameter_um.size, ensemble.process.friction)
 
     def strike(
         which: IntArray, velocity: FloatArray, turn: FloatArray, normal: FloatArray
     ) -> tuple[FloatArray, FloatArray, BoolArray]:
         speed = -np.vecdot(velocity, normal)
-        bare = ensemble.body.law.restitution(speed / unit[which], place[which])
+        bare = ensemble.body.law.restitution(speed / unit[which], position[which])
         e = np.clip(bare + ensemble.restitution_shift, 0.0, 1.0)
         after, turned = np.empty((2, *velocity.shape))
         passes.rebounds(velocity, turn, normal, e, friction[which], after, turned)
