@@ -42,7 +42,7 @@ FITTED = ("relative_restitution",)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variant:
-    """A rough surface: what differs from the rules of the study."""
+    """Differences of a rough surface from the rules of the study."""
 
     drawn: bool = False  # Whether it is in the figure; of all others the slope is inferred only
     two_axes: bool = False  # Whether the surface slopes across the motion as it does along it
