@@ -43,7 +43,6 @@ TINY = {
     },
     "monte_carlo": {
         "plan": {"replicates": 4, "events": 64},
-        "comparison": {"replicates": 4, "events": 64},
         "slope_inference": {"plan": {"events": 64}},
     },
 }

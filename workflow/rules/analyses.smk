@@ -12,9 +12,8 @@ use rule study as declared_inputs with:
 
 
 use rule study as roughness_expansions with:
-    """tables/roughness_expansions.csv, roughness_ranges.csv: Eqs. 35-41; data/roughness.csv."""
+    """data/roughness.csv: Eqs. 35-41, exact, as printed and corrected."""
     output:
-        **tables("roughness_expansions", "roughness_ranges"),
         **data("roughness"),
     pathvars:
         study="roughness_expansions",
@@ -48,19 +47,14 @@ rule monte_carlo_part:
 
 
 use rule study as monte_carlo with:
-    """data/fig23.csv; tables/monte_carlo*.csv and slope_inference.csv."""
+    """data/fig23.csv; tables/monte_carlo.csv, slope_inference.csv."""
     input:
         **tables("calibration"),
         samples=sample_files(SETTINGS.branches["monte_carlo"]),
         # A single part is made at once.
         parts=MONTE_CARLO_PARTS[1:] and MONTE_CARLO_PARTS,
     output:
-        **tables(
-            "monte_carlo",
-            "monte_carlo_sampling",
-            "monte_carlo_ablation",
-            "slope_inference",
-        ),
+        **tables("monte_carlo", "slope_inference"),
         **data("fig23"),
     pathvars:
         study="monte_carlo",
@@ -76,7 +70,6 @@ use rule study as doe with:
         **tables(
             "doe_levels",
             "doe_design",
-            "doe_aliases",
             "doe_effects",
             "doe_bd_aliasing",
             "doe_elasticities",
@@ -93,12 +86,7 @@ use rule study as sensitivity with:
     input:
         **tables("calibration", "calibration_family", "doe_levels", "doe_effects"),
     output:
-        **tables(
-            "sensitivity_indices",
-            "sensitivity_convergence",
-            "sensitivity_groups",
-            "sensitivity_parameters",
-        ),
+        **tables("sensitivity_indices", "sensitivity_convergence", "sensitivity_groups"),
         **data("sobol"),
     pathvars:
         study="sensitivity",
@@ -118,11 +106,11 @@ use rule study as particle_separation with:
 
 
 use rule study as oblique_data with:
-    """tables/oblique_*.csv, tangential_bounds.csv: measured oblique impacts against the laws."""
+    """tables/oblique_*.csv: measured oblique impacts against the laws."""
     input:
         **tables("calibration"),
     output:
-        **tables("oblique_comparison", "oblique_residuals", "tangential_bounds"),
+        **tables("oblique_comparison", "oblique_residuals"),
         **data("oblique_velocity", "oblique_spin", "contact_point"),
     pathvars:
         study="oblique_data",

@@ -8,28 +8,27 @@ approach it is hit in proportion to ``(c + x)+``; the slope across it leaves as 
 still moves towards the surface after a contact meets another facet.
 
 What one contact does is a `Strike`, given from outside: dynamic simulation in the laboratory,
-that or the rigid body model in Monte Carlo analyses.
+the rigid body model in Monte Carlo analyses.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal
 
 import numpy as np
 import scipy
 from annotated_types import Ge, Le
 
-from microimpact.core.arrays import BoolArray, FloatArray, Real
+from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.lab.events import IntArray
 from microimpact.model import passes
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.law.table import Law
-from microimpact.model.passes import STEEPEST
 from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
@@ -48,11 +47,6 @@ Strike = Callable[
 # the width of 1/128 changes the variance of a normal slope by 5e-6 of itself.
 SCORES = np.linspace(-8.25, 8.25, 2113)
 KEPT_TABLES = 64
-# Parts of the hits of which the first cell is kept where one angle is that of many spheres.
-GUIDES = 1024
-# Hits at one angle, see `_steady`; empty where there are many.
-Steady = tuple[IntArray, FloatArray]
-NOT_STEADY: Steady = np.empty(0, dtype=np.int64), np.empty((0, 3))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -195,103 +189,6 @@ def collide(
     return Rebound(velocity=velocity, spin=spin, kept=kept, contacts=contacts)
 
 
-class Spheres(NamedTuple):
-    """Spheres that hit a surface.
-
-    Attributes
-    ----------
-    drawn
-        Speed, angle of incidence (degrees), r omega over the speed, friction, factor and offset of
-        e, unit of the speed in the law (m/s), place in the law's family, each (number,) or (1,).
-    shares
-        As of `collide`, (number,) or (1,).
-    number, parts
-        Number of spheres, and of the equal parts that are added up apart.
-    """
-
-    drawn: Sequence[Real]
-    shares: Iterable[tuple[FloatArray, FloatArray]]
-    number: int
-    parts: int
-
-
-def rigid_sums(surface: Surface, law: Law, groups: Iterable[Spheres]) -> FloatArray:
-    """Let rigid spheres hit a surface, and return sums over the observed rebounds.
-
-    As `collide` with contacts of rigid bodies, but in one compiled pass without arrays between, and
-    with one group in memory at a time. Contacts so close to capture that they must be integrated
-    wait for those of all groups.
-
-    Parameters
-    ----------
-    surface
-        Its slopes and rules.
-    law
-        Of which e is taken.
-    groups
-        One or more.
-
-    Returns
-    -------
-    ndarray
-        Shape (parts of all groups, columns), see `model.passes.SUMS`.
-    """
-    rules, most = surface.rules, surface.rules.most_contacts
-    codes = passes.FACETS.index(rules.facets), rules.must_leave, most
-    look_ups = hit_slopes(surface.slope), codes, law.compiled
-    parts: list[FloatArray] = []
-    waiting: list[FloatArray] = []
-    nothing_known = np.empty((most, 0))
-    for spheres in groups:
-        sums = np.zeros((spheres.parts, 2 * passes.LOST))
-        _, late = _added(_events(surface, spheres), nothing_known, look_ups, sums)
-        late[0] += sum(map(len, parts))
-        waiting.append(late)
-        parts.append(sums)
-    sums, late = np.concatenate(parts), np.concatenate(waiting, axis=1)
-    known = np.full((most, late.shape[1]), np.nan)
-    while late.size:
-        (rows, contact), (w, *columns) = late[:2].astype(np.int64), late[2:]
-        drawn, along, across = columns[: -2 * most], columns[-2 * most : -most], columns[-most:]
-        known[contact, np.arange(rows.size)] = law.restitution(w, drawn[-1])
-        events = rows, drawn, np.stack(along), np.stack(across), NOT_STEADY
-        who, late = _added(events, known, look_ups, sums)
-        known = known[:, who]
-    return sums[:, : passes.LOST] + sums[:, passes.LOST :]
-
-
-# Events as the compiled pass takes them, see `model.passes.events`: rows, what is drawn, slopes
-# along and across, and what is steady.
-_Events = tuple[IntArray, Sequence[Real], FloatArray, FloatArray, Steady]
-
-
-def _events(surface: Surface, spheres: Spheres) -> _Events:
-    """Return the events of some spheres, their parts numbered from 0."""
-    shares = (np.stack(one) for one in zip(*spheres.shares, strict=True))
-    along, across = _slopes(surface, *shares)
-    steady, angle = NOT_STEADY, spheres.drawn[1]
-    if surface.rules.facets == "seen" and np.size(angle) == 1:
-        steady = _steady(surface.slope, float(np.ravel(angle)[0]))
-    rows = np.repeat(np.arange(spheres.parts), spheres.number // spheres.parts)
-    return rows, spheres.drawn, along, across, steady
-
-
-def _added(
-    events: _Events, known: FloatArray, look_ups: tuple[Any, ...], sums: FloatArray
-) -> tuple[IntArray, FloatArray]:
-    """Add events to sums, and return those that ask for e: numbers, and columns to come again.
-
-    The columns: row of the sums, contact, w, all that is drawn, slopes along and across.
-    """
-    rows, drawn, along, across, steady = events
-    flat = tuple(passes.flat(values, rows.shape) for values in drawn)
-    asked = np.empty((rows.size, len(passes.ASKED)))
-    number = passes.events(rows, known, flat, (along, across, steady), look_ups, sums, asked)
-    who, (contact, w) = asked[:number, 0].astype(np.int64), asked[:number, 1:].T
-    columns = [values[who % values.size] for values in (*flat, *along, *across)]
-    return who, np.stack([rows[who], contact, w, *columns])
-
-
 def facets(
     surface: Surface, velocity: FloatArray, along: FloatArray, across: FloatArray
 ) -> FloatArray:
@@ -358,29 +255,6 @@ def simulated(contact: Contact, n: int, law: Law | None = None) -> Strike:
         return after, turned / radius, captured
 
     return strike
-
-
-@lru_cache(maxsize=KEPT_TABLES)
-def _steady(distribution: Distribution, angle: float) -> Steady:
-    """Inverse of the cumulative hit probability at one angle, degrees, of many spheres.
-
-    Cell of each of ``GUIDES`` equal steps of probability, (GUIDES,); and per edge of the cells
-    that can be hit, (cells + 1, 3): hits below, slope, width of the cell over its share of facets.
-    """
-    edges, mass, below, moment = hit_slopes(distribution)
-    tangent = min(float(np.tan(np.radians(angle))), STEEPEST)
-    if not 0.0 < angle <= 90.0 or tangent + edges[-1] <= 0.0:
-        return NOT_STEADY
-    first = int(np.searchsorted(edges, -tangent, side="right")) - 1
-    first = min(max(first, 0), mass.size - 1)
-    slope = np.maximum(edges[first:], -tangent)
-    rate = np.append(np.diff(edges) / np.maximum(mass, passes.TINY), 0.0)[first:]
-    hits = (tangent * below + moment)[first:]
-    if rate[0] > 0.0:  # those of a part of the first cell
-        hits[0] = hits[1] - 0.5 * ((tangent + slope[1]) ** 2 - (tangent + slope[0]) ** 2) / rate[0]
-    steps = hits[0] + np.arange(GUIDES) / GUIDES * (hits[-1] - hits[0])
-    cell = np.searchsorted(hits, steps, side="right") - 1
-    return np.clip(cell, 0, hits.size - 2), np.stack([hits, slope, rate], axis=1)
 
 
 @lru_cache(maxsize=KEPT_TABLES)

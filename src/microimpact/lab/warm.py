@@ -18,7 +18,7 @@ from microimpact.lab.experiment import Target, impacts_of
 from microimpact.lab.pdpa import analyser as pdpa
 from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.system import ImagingSystem, Setup, Systematics
-from microimpact.lab.surface import Spheres, rigid_sums, rough
+from microimpact.lab.surface import rough
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.impact import simulate
@@ -60,15 +60,14 @@ def _use_others() -> None:
 
 
 def _use_tables() -> None:
-    """Use impacts followed in time and along the surface, tables, and passes over ensembles."""
-    speed, half = np.array([0.5, 1.0]), np.full(1, 0.5)
+    """Use impacts followed in time and along the surface, tables and rough surfaces."""
+    speed = np.array([0.5, 1.0])
     trajectory(CONTACT, 1.0)
     simulate(CONTACT, speed, tangential="mindlin")
     law = tabulate(CONTACT, *speed)
     law.quantities(speed, np.zeros(1))
     law.restitution(speed, np.zeros(1))
     law.simulate(speed)
-    rigid_sums(rough(0.1), law, [Spheres([half] * 8, [(half, half)] * 5, 1, 1)])
     _impacts()
 
 

@@ -52,13 +52,6 @@ SEEN, _, EVERY = range(3)
 # Beyond this the motion is so steep that all facets are hit alike, to rounding.
 STEEPEST = 1e8
 TINY = float(np.finfo(float).tiny)
-# Columns of the sums over events: how many were rejected and why, and how many were not; sums of
-# the measured e and -mu of these, and of their squares.
-SUMS = FACING_AWAY, CAPTURED, NOT_LEAVING, ACCEPTED, E, E_SQUARED, MU, MU_SQUARED = range(8)
-# The rounding error of a sum stands so many columns further on.
-LOST = len(SUMS)
-# Columns of impacts to integrate: number of the event and of its contact, and w.
-ASKED = EVENT, CONTACT, W = range(3)
 # Rows of outcomes begin this many numbers further apart than they are long: in the same place of
 # every page of memory they would push each other out of the processor's first cache.
 APART = 24
@@ -398,18 +391,6 @@ def _hit_slope(u, c, slopes):  # type: ignore[no-untyped-def]
 
 
 @_jit_inline
-def _steady_slope(u, c, steady):  # type: ignore[no-untyped-def]
-    """Slope with cumulative hit probability u, at a fixed angle of approach, see `lab.surface`."""
-    guide, cells = steady
-    last, cell = cells.shape[0] - 1, guide[int(u * guide.size)]
-    target = cells[0, 0] + u * (cells[last, 0] - cells[0, 0])
-    while cell + 1 < last and cells[cell + 1, 0] <= target:
-        cell += 1
-    rest = (target - cells[cell, 0]) * cells[cell, 2]
-    return min(cells[cell, 1] + _further(c + cells[cell, 1], rest), cells[cell + 1, 1])
-
-
-@_jit_inline
 def _rebound(velocity, turn, normal, into, e, friction):  # type: ignore[no-untyped-def]
     """Return velocity and r omega after a rigid body's rebound, Eqs. (6)-(8), (11)-(13)."""
     vx, vy, vz = velocity
@@ -457,16 +438,14 @@ def rebounds(velocity, turn, normal, e, friction, after, turned):  # type: ignor
 
 
 @_jit_inline
-def _met(velocity, slope, sideways, slopes, steady, guided, facets):  # type: ignore[no-untyped-def]
+def _met(velocity, slope, sideways, slopes, facets):  # type: ignore[no-untyped-def]
     """Return the normal of the facet met, and the velocity along it."""
     if facets == SEEN:
         level = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
         # Upright motion meets all facets alike.
         tangent = min(-velocity[2] / max(level, TINY), STEEPEST)
-        if guided:
-            slope = _steady_slope(slope, tangent, steady)
-        else:  # no slope can be hit where none faces the sphere
-            slope = max(_hit_slope(slope, tangent, slopes), -STEEPEST)
+        # No slope can be hit where none faces the sphere.
+        slope = max(_hit_slope(slope, tangent, slopes), -STEEPEST)
     normal = _normal(velocity, slope, sideways)
     into = velocity[0] * normal[0] + velocity[1] * normal[1] + velocity[2] * normal[2]
     if facets == EVERY and into > 0.0:
@@ -493,104 +472,5 @@ def normals(velocity, along, across, slopes, facets, normal):  # type: ignore[no
     """
     for i in range(velocity.shape[0]):
         v = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-        direction, _ = _met(v, along[i], across[i], slopes, slopes[0], False, facets)
+        direction, _ = _met(v, along[i], across[i], slopes, facets)
         normal[i, 0], normal[i, 1], normal[i, 2] = direction
-
-
-@_jit_inline
-def _count(sums, row, contacts, kept, leaves, before, after):  # type: ignore[no-untyped-def]
-    """Add one event to the sums of its replicate."""
-    if contacts == 0:
-        sums[row, FACING_AWAY] += 1.0
-    elif kept:
-        sums[row, CAPTURED] += 1.0
-    elif not leaves:
-        sums[row, NOT_LEAVING] += 1.0
-    else:
-        e = -after[2] / before[2]
-        mu = -(after[0] - before[0]) / (after[2] - before[2])
-        sums[row, ACCEPTED] += 1.0
-        _add(sums, row, E, e)
-        _add(sums, row, E_SQUARED, e * e)
-        _add(sums, row, MU, mu)
-        _add(sums, row, MU_SQUARED, mu * mu)
-
-
-@_jit_inline
-def _add(sums, row, column, value):  # type: ignore[no-untyped-def]
-    """Add to a sum, and its rounding error to a separate column."""
-    before = sums[row, column]
-    after = before + value
-    sums[row, column] = after
-    sums[row, LOST + column] += before - after + value
-
-
-@_jit_inline
-def _facet(values, contact, i):  # type: ignore[no-untyped-def]
-    return values[contact, i if values.shape[1] > 1 else 0]
-
-
-@_jit_contract
-def events(rows, known, drawn, facets, rules, sums, asked):  # type: ignore[no-untyped-def]
-    """Let spheres hit a rough surface as rigid bodies, and add their observations to the sums.
-
-    Gives the number of rows of `asked`; events that ask are not counted.
-
-    Parameters
-    ----------
-    rows
-        Of the sums, that of each event's replicate, (n,), as integers.
-    known
-        e of contacts in turn that were integrated, (contacts, n), NaN for all others; if empty, the
-        law is looked up.
-    drawn
-        Of all events, (n,), or one for all, (1,): speed, m/s, angle of incidence, degrees, r omega
-        over the speed, friction, factor and offset of e; unit of the law's variable, m/s, and
-        coordinate in its family.
-    facets
-        Those met in turn, (contacts, n) or (contacts, 1): slopes along the motion, of facets that
-        are seen shares in their place, and across it; and the table of slopes made for the one
-        angle of the first, empty if there is none.
-    rules
-        Table of slopes by `lab.surface.hit_slopes`; number of the facets in ``FACETS``, whether a
-        sphere must leave, most contacts; law as in `tabulated`.
-    sums
-        Of each replicate, (replicates, 2 columns), added to: ``SUMS``, what they lost.
-    asked
-        Impacts that must be integrated, (n, ``ASKED``).
-    """
-    speeds, angles, spins, frictions, factors, offsets, units, coordinates = drawn
-    along, across, steady = facets
-    slopes, (kind, must_leave, most_contacts), law = rules
-    waiting = 0
-    sine = cosine = math.nan
-    for i in range(rows.size):
-        if i == 0 or angles.size > 1:
-            angle = math.radians(_of(angles, i))
-            sine, cosine = math.sin(angle), math.cos(angle)
-        speed, coordinate = _of(speeds, i), _of(coordinates, i)
-        before = speed * cosine, 0.0, -speed * sine
-        velocity, turn = before, (0.0, _of(spins, i) * speed, 0.0)
-        contacts, kept, missing = 0, False, False
-        while contacts < most_contacts and velocity[2] <= 0.0 and not kept:
-            slope, sideways = _facet(along, contacts, i), _facet(across, contacts, i)
-            guided = steady[0].size > 0 and contacts == 0
-            normal, into = _met(velocity, slope, sideways, slopes, steady, guided, kind)
-            if not into < 0.0:
-                break
-            bare = known[contacts, i] if known.size else math.nan
-            if math.isnan(bare):
-                w = -into / _of(units, i)
-                bare = _restitution(w, coordinate, law)
-                if math.isnan(bare):
-                    asked[waiting, EVENT], asked[waiting, CONTACT] = i, contacts
-                    asked[waiting, W] = w
-                    waiting, missing = waiting + 1, True
-                    break
-            e = min(max(_of(factors, i) * bare + _of(offsets, i), 0.0), 1.0)
-            velocity, turn = _rebound(velocity, turn, normal, into, e, _of(frictions, i))
-            contacts, kept = contacts + 1, bare <= 0.0
-        if not missing:
-            leaves = velocity[2] > 0.0 or not must_leave
-            _count(sums, rows[i], contacts, kept, leaves, before, velocity)
-    return waiting

@@ -15,7 +15,7 @@ FASTEST = 1e3  # m/s
 # Beyond it a facet hides its neighbours, which no model of a rough surface here considers.
 STEEPEST = 0.5  # rad
 # Of a distribution, in the unit of its key.
-_PLACES = {"at", "mean", "median", "low", "high", "edges", "values_seen"}
+_PLACES = {"at", "mean", "median", "low", "high", "edges"}
 # Of the radius: beyond it the contact is no small circle on a sphere.
 DEEPEST = 0.1
 # Of the softer body's modulus: hardly anything stays elastic beyond it.

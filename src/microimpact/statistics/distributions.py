@@ -1,7 +1,6 @@
 """Distributions of particles and surfaces, each by its quantile function.
 
-A draw is the quantile of a uniform number, whatever the distribution, so that plain, antithetic and
-quasi-random draws and a Gaussian copula all work by the choice of the uniform numbers alone.
+A draw is the quantile of a uniform number, whatever the distribution; plain or quasi-random.
 """
 
 from __future__ import annotations
@@ -166,23 +165,6 @@ class Histogram:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sample:
-    """Values measured elsewhere, drawn with replacement."""
-
-    values_seen: tuple[float, ...]
-    kind: Literal["sample"] = "sample"
-
-    def __post_init__(self) -> None:
-        """Refuse an empty sample."""
-        if not self.values_seen:
-            raise ValueError("values_seen must hold at least one value, got none")
-
-    def quantile(self, u: FloatArray) -> FloatArray:
-        """Return the values below which a share ``u`` of all draws lies."""
-        return _drawn_from(np.sort(np.asarray(self.values_seen, dtype=float)), u)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class SampleFile:
     """Values measured elsewhere, in a file, drawn with replacement.
 
@@ -198,12 +180,9 @@ class SampleFile:
 
     def quantile(self, u: FloatArray) -> FloatArray:
         """Return the values below which a share ``u`` of all draws lies."""
-        return _drawn_from(_values_in(self.path), u)
-
-
-def _drawn_from(ordered: FloatArray, u: FloatArray) -> FloatArray:
-    index = np.minimum((np.asarray(u) * ordered.size).astype(int), ordered.size - 1)
-    return np.asarray(ordered[index])
+        ordered = _values_in(self.path)
+        index = np.minimum((np.asarray(u) * ordered.size).astype(int), ordered.size - 1)
+        return np.asarray(ordered[index])
 
 
 @cache
@@ -231,24 +210,32 @@ def _values_in(path: str) -> FloatArray:
     return ordered
 
 
-AnyDistribution = (
-    Constant
-    | Uniform
-    | Normal
-    | TruncatedNormal
-    | HalfNormal
-    | LogNormal
-    | Histogram
-    | Sample
-    | SampleFile
-)
-Distribution = Annotated[AnyDistribution, ByKind()]
+Distribution = Annotated[
+    Constant | Uniform | Normal | TruncatedNormal | HalfNormal | LogNormal | Histogram | SampleFile,
+    ByKind(),
+]
 
 
 def uniforms(rng: np.random.Generator, shape: int | tuple[int, ...]) -> FloatArray:
     """Return uniform numbers strictly inside (0, 1), whose quantiles are finite."""
     drawn = rng.random(shape)
     return np.clip(drawn, SMALLEST_PROBABILITY, LARGEST_PROBABILITY, out=drawn)
+
+
+def quasi_random(n: int, dimensions: int, rng: np.random.Generator) -> FloatArray:
+    """Return a scrambled Sobol sequence in the open unit cube, (n, dimensions).
+
+    Parameters
+    ----------
+    n
+        Number of points, a power of two.
+    dimensions
+        Number of dimensions.
+    rng
+        Generator of the scrambling.
+    """
+    points = scipy.stats.qmc.Sobol(dimensions, rng=rng).random_base2(n.bit_length() - 1)
+    return np.clip(points, SMALLEST_PROBABILITY, LARGEST_PROBABILITY)
 
 
 def sample(

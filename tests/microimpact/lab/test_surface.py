@@ -20,8 +20,8 @@ from microimpact.model.dynamics.impact import planar, spatial
 from microimpact.model.passes import STEEPEST
 from microimpact.statistics.distributions import (
     Constant,
+    Histogram,
     Normal,
-    Sample,
     Uniform,
     generator,
     uniforms,
@@ -100,7 +100,8 @@ def test_hit_slopes_of_other_distributions():
     assert one == pytest.approx([0.1, 0.1, -STEEPEST])  # where no facet can be hit
     # two kinds of facets are hit in the ratio of c + x
     many = generator(SEED, 7).random(2**16)
-    kinds = hit_slopes(Sample(values_seen=(-0.1, 0.2)), many, np.full(2**16, 0.4))
+    narrow = Histogram(edges=(-0.1001, -0.1, 0.2, 0.2001), counts=(1.0, 0.0, 1.0))
+    kinds = hit_slopes(narrow, many, np.full(2**16, 0.4))
     assert np.mean(kinds > 0.05) == pytest.approx(0.6 / 0.9, abs=0.01)
 
 

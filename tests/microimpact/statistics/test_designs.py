@@ -30,8 +30,3 @@ def test_quarter_fraction_and_negative_generator():
 @pytest.mark.parametrize("factors", [1, 3, 5])
 def test_full_factorial(factors):
     np.testing.assert_array_equal(full_factorial(factors), yates(factors))
-
-
-def test_columns_are_balanced_and_orthogonal():
-    design = fractional_factorial("a b c d abcd")
-    np.testing.assert_array_equal(design.T @ design, 16 * np.eye(5))

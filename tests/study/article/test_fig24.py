@@ -84,14 +84,12 @@ def test_an_uncapturable_run_is_named(run_study, calibration, sampling):
     assert "\n" not in str(e.value)
 
 
-def test_another_generator(run_study, calibration, sampling, settings):
-    cases = dict.fromkeys(list(settings.branches["doe"]["cases"])[1:])
+def test_another_generator(run_study, calibration, sampling):
     generator = "a b c ab ac"
-    found = run_study("doe", calibration, sampling=sampling, cases=cases, generator=generator)
+    found = run_study("doe", calibration, sampling=sampling, cases=STEEL[:1], generator=generator)
     table = found["doe_effects"]
     own = table[(table["variation"] == "uniform") & (table["response"] == "v_c by Eq. 34")]
     assert own["effect"].tolist() == ["A", "B", "C", "D", "E", "BC", "BE"]
-    assert set(found["doe_aliases"]["resolution"]) == {3}
 
 
 # Sobol' indices

@@ -5,69 +5,77 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microimpact.model.rigid_body.roughness import rough_rebound, shallow_restitution
+from microimpact.model.rigid_body.roughness import energy_bound
+from study.studies.analyses.roughness_expansions import (
+    EQUATIONS,
+    FORMS,
+    SlopedImpacts,
+    angle_range,
+    slope_range,
+)
+
+FACETS = np.array([-10.0, -5.0, -2.0, -1.0, 1.0, 2.0, 5.0, 10.0, 20.0])
 
 
-@pytest.fixture(scope="module")
-def tables(run_study):
-    return run_study("roughness_expansions")
+def impacts(angle, slope, spin=0.0):
+    angle, slope = np.radians(angle), np.radians(slope)
+    return SlopedImpacts(angle=angle, slope=slope, e=0.7, friction=0.15, spin_ratio=spin)
 
 
-@pytest.fixture(scope="module")
-def values(tables):
-    return tables["roughness_expansions"]
+def value(name, angle, slope, form="printed"):
+    return float(EQUATIONS[name].value(impacts(angle, slope), form))
 
 
-@pytest.fixture(scope="module")
-def ranges(tables):
-    columns = ["equation", "form", "spin_ratio", "criterion", "variable", "fixed_deg"]
-    return tables["roughness_ranges"].set_index(columns).sort_index()
+def test_equations_35_and_37_on_a_slope_of_10_deg_at_10_deg():
+    exact = float(EQUATIONS["37"].exact(impacts(10, 10)))
+    assert exact == pytest.approx(2.21, abs=5e-3)
+    assert value("37", 10, 10) == pytest.approx(2.40)
+    assert value("35", 10, 10) == pytest.approx(0.77, abs=5e-3)
+    assert value("35", 10, 10, "corrected") == pytest.approx(exact, rel=1e-14)
 
 
-def test_every_equation_stands_beside_the_exact_value(values):
-    assert set(values["equation"]) == {"35", "37", "38", "39", "after 40", "41"}
-    assert (values["angle_deg"] + values["slope_deg"] > 0).all()
-    row = values.query("equation == '37' and angle_deg == 10 and slope_deg == 10").iloc[0]
-    assert row["printed"] == pytest.approx(2.40)
-    assert row["exact"] == pytest.approx(2.21, abs=5e-3)
-    row = values.query("equation == '35' and angle_deg == 10 and slope_deg == 10").iloc[0]
-    assert row["printed"] == pytest.approx(0.77, abs=5e-3)
-    assert row["corrected"] == pytest.approx(row["exact"], rel=1e-14)
-
-
-def test_corrections_bring_every_equation_nearer(values):
-    small = values[values["slope_deg"].abs() <= 2.0]
+@pytest.mark.parametrize(
+    ("name", "spin"),
+    [("35", 0.0), ("37", 0.0), ("38", 0.0)]
     # without spin both forms of Eq. 41 are one
-    small = small[(small["equation"] != "41") | (small["spin_ratio"] != 0.0)]
-    for name, rows in small.groupby("equation"):
-        assert (rows["corrected_error"] < rows["printed_error"]).all(), name
+    + [(name, spin) for name in ("39", "41") for spin in (-0.2, 0.0, 0.2) if spin or name == "39"]
+    + [("after 40", 0.0)],
+)
+def test_corrections_bring_every_equation_nearer(name, spin):
+    equation = EQUATIONS[name]
+    for angle in (5.0, 10.0, 20.0) if equation.shallow else (90.0,):
+        small = impacts(angle, FACETS[abs(FACETS) <= 2.0], spin)
+        printed, corrected = (equation.error(small, form) for form in FORMS)
+        assert np.all(corrected < printed)
 
 
-def test_exact_values_never_break_energy_but_equation_35_as_printed_does(values):
-    e_m = values[values["quantity"] == "restitution"]
-    assert e_m["exact_within_bound"].all()
-    no_spin = e_m[e_m["spin_ratio"] == 0.0]
-    assert (no_spin["exact"] <= no_spin["greatest_without_spin"]).all()
-    printed = e_m[e_m["equation"] == "35"]
-    broken = printed[~printed["printed_within_bound"].astype(bool)]
-    assert (broken["slope_deg"] < 0).all()
-    assert len(broken) > 0
-    facing = printed[printed["slope_deg"] > 0]
-    assert (facing["printed"] < 1.0).all()
+def test_equation_35_as_printed_breaks_energy_and_never_exceeds_one_on_a_facing_slope():
+    broken = []
+    for angle in (5.0, 10.0, 20.0):
+        slopes = FACETS[angle + FACETS > 0.0]
+        printed = EQUATIONS["35"].value(impacts(angle, slopes), "printed")
+        broken += slopes[abs(printed) > energy_bound(np.radians(angle))].tolist()
+        assert np.all(printed[slopes > 0] < 1.0)
+    assert broken
+    assert max(broken) < 0.0
 
 
-def test_ends_of_ranges_are_where_the_error_is_one_per_cent(ranges):
-    row = ranges.loc[("37", "printed", 0.0, "accuracy", "slope", 10.0)]
-    for end in row[["low_deg", "high_deg"]]:
-        slope, angle = np.radians(end), np.radians(10.0)
-        exact = rough_rebound(angle, slope, 0.7, 0.15).measured_restitution
-        printed = shallow_restitution(angle, slope, 0.7, -0.15, printed=True)
-        assert abs(printed / exact - 1.0) == pytest.approx(0.01, rel=1e-6)
-    assert not row["low_is_limit"]
-    assert not row["high_is_limit"]
+def test_ends_of_ranges_are_where_the_error_is_one_per_cent():
+    ends = slope_range(EQUATIONS["37"], "printed", impacts(10.0, 0.0), 0.01)
+    assert -10.0 < ends[0] < 0.0 < ends[1] < 45.0
+    for end in ends:
+        assert EQUATIONS["37"].error(impacts(10.0, end), "printed") == pytest.approx(0.01, rel=1e-6)
 
 
-def test_equation_38_ends_where_the_sphere_begins_to_roll(ranges):
-    row = ranges.loc[("38", "corrected", 0.0, "accuracy", "angle", 2.0)]
+def test_equation_38_ends_where_the_sphere_begins_to_roll():
+    _, high = angle_range(EQUATIONS["38"], "corrected", impacts(90.0, 2.0), 0.01)
     local = np.degrees(np.arctan(2 / (7 * 0.15 * 1.7)))
-    assert row["high_deg"] == pytest.approx(local - 2.0, abs=0.5)
+    assert high == pytest.approx(local - 2.0, abs=0.5)
+
+
+def test_the_figure_holds_every_panel_with_its_ranges(run_study):
+    table = run_study("roughness_expansions")["roughness"]
+    series = table.groupby("panel")["series"].unique()
+    assert len(series) == 6
+    for panel in series:
+        assert {"exact", "printed", "corrected", "range corrected"} <= set(panel)

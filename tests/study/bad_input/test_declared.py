@@ -85,7 +85,7 @@ CASES = [
     (LABORATORY, "angles_deg: {values: [85, 80, 75, 70, 60, 55, 50, 45, 40, 30, 20, 15, 10, 5]", "angles_deg: {values: [95]", ["experiment.angles_deg[0]: 95 must be less than or equal to 90"]),
     (LABORATORY, "      mean: {value: 50.0, evidence", "      mode: 3\n      mean: {value: 50.0, evidence", ["particles.SST65.diameter_um.mode: unknown key"]),
     (LABORATORY, "surfaces:\n", "surfaces: 3\nnone:\n", ["surfaces: 3 must be a mapping"]),
-    (ANALYSES, "friction: {kind: constant, at:", "friction: {kind: constant, value:", [".at: missing", ".value: unknown key (known here: at, kind)"]),
+    (ANALYSES, "      low: {value: 1.61,", "      lower: {value: 1.61,", ["speed_m_per_s.low: missing", "speed_m_per_s.lower: unknown key"]),
     # declared tables
     (MATERIALS, "material,property", "material;property", ["materials.csv: the header is"]),
     (MATERIALS, STEEL, STEEL + ",more", ["materials.csv, line 2: must have 8 fields"]),

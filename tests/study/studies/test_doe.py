@@ -24,7 +24,6 @@ from microimpact.statistics.effects import (
 )
 from study.declared.parameters import build, explain
 from study.studies.analyses import doe
-from study.studies.analyses.doe import alias_rows
 from study.studies.analyses.doe.factors import (
     LETTERS,
     Levels,
@@ -69,9 +68,9 @@ def test_aliases_are_columns_of_the_design(generator):
 def test_the_full_design_has_no_aliases():
     relation = defining_relation("a b c d e", LETTERS)
     assert relation == {}
-    (row, *others) = alias_rows(relation)
-    assert row == {"effect": "A", "aliases": "", "defining_relation": "I", "resolution": "full"}
-    assert len(others) == 30
+    classes = aliases(relation, LETTERS)
+    assert len(classes) == 31
+    assert not any(classes.values())
 
 
 @pytest.mark.parametrize(

@@ -231,17 +231,6 @@ def energy_bound(angle: object, spin_ratio: object = 0.0) -> Real:
     return np.sqrt(1.0 + INERTIA * np.square(spin_ratio)) / np.sin(angle)
 
 
-def greatest_restitution(angle: object, e: object) -> Real:
-    """Greatest measured restitution over all slopes without spin: ``((1+e)/sin alpha - (1-e))/2``.
-
-    Without friction ``e_m = ((1 + e) sin(alpha + 2 phi)/sin alpha - (1 - e))/2``, greatest on the
-    slope ``phi = (pi/2 - alpha)/2``. On a slope that faces the sphere friction takes from e_m; on
-    others e_m stays below e. Equal to the bound of energy at e = 1.
-    """
-    angle, e = admitted(angle=angle, e=e)
-    return 0.5 * ((1.0 + e) / np.sin(angle) - (1.0 - e))
-
-
 def _facing(**arguments: object) -> list[Real]:
     """Return checked arguments, of which angle and slope, the first, let the sphere arrive."""
     angle, slope, *others = admitted(**arguments)

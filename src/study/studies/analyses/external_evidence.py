@@ -141,9 +141,9 @@ def _oblique(residuals: pd.DataFrame) -> Iterator[Compared]:
     The spin and the velocity that were measured contradict each other by more than that; the spin
     is taken to be known no better.
     """
-    table = residuals[residuals["reading"] == "all"]
-    rigid = table[~table["law"].isin(TANGENTIAL_LAWS)].set_index(["quantity", "branch"])
-    rows: list[dict[Any, Any]] = table[table["law"].isin(TANGENTIAL_LAWS)].to_dict("records")
+    is_law = residuals["law"].isin(TANGENTIAL_LAWS)
+    rigid = residuals[~is_law].set_index(["quantity", "branch"])
+    rows: list[dict[Any, Any]] = residuals[is_law].to_dict("records")
     for row in rows:
         quantity, branch = row["quantity"], row["branch"]
         if quantity in {"tangential_restitution", "spin"}:

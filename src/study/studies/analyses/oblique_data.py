@@ -9,7 +9,6 @@ it is turned into the article's, from the surface.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,7 @@ from study.declared.parameters import (
     Positive,
 )
 from study.studies.contacts import calibrated_contact, pair_of, printed_beside
-from study.tables import Row, Tables, points_series, series_frame
+from study.tables import Tables, points_series, series_frame
 
 NEEDS = {"calibration": ("calibration",)}
 PRINTED_VALUES = ("rolling_to_sliding_angle",)
@@ -88,9 +87,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``oblique_velocity``, ``oblique_spin``, ``contact_point``: data of the figure.
     ``oblique_comparison``: every measured point beside the laws. ``oblique_residuals``: rms by
-    quantity, branch, reading and law. A point is of the branch in which a rigid sphere would be.
-    ``tangential_bounds``: restitution of the contact point along the surface where sliding
-    throughout begins, by the article's angle, the data and the laws.
+    quantity, branch and law. A point is of the branch in which a rigid sphere would be.
 
     Parameters
     ----------
@@ -121,12 +118,9 @@ def run(params: Params, inputs: Tables) -> Tables:
     small = calibrated_contact(inputs, spheres.case, friction=spheres.friction)
     compared = comparison(inputs["external"], contact, params.speed_m_per_s, varied)
     figures = [*curves(params, contact, small), *marks(compared, params, contact)]
-    limits = bounds(params, compared, contact, small)
     pair = pair_of(inputs, spheres.case)
     if len(printed_beside(inputs, *pair, speed_m_per_s=spheres.speed_m_per_s)):
-        mark, bound = printed_transition(spheres)
-        figures.append(mark)
-        limits = pd.concat([bound, limits], ignore_index=True)
+        figures.append(printed_transition(spheres))
     panels = {
         panel: pd.concat([f for f in figures if (f["panel"] == panel).any()], ignore_index=True)
         for panel in UNITS
@@ -138,7 +132,6 @@ def run(params: Params, inputs: Tables) -> Tables:
         "contact_point": slips[slips["x_1"] <= LARGEST_SLIP].reset_index(drop=True),
         "oblique_comparison": compared,
         "oblique_residuals": residuals(compared),
-        "tangential_bounds": limits,
     }
 
 
@@ -184,26 +177,21 @@ def comparison(
 
 
 def residuals(compared: pd.DataFrame) -> pd.DataFrame:
-    """Return the rms of each law by quantity, branch and reading, as it is and relative."""
+    """Return the rms of each law by quantity and branch, as it is and relative."""
     rows = []
-    readings = {"all": compared} | dict(iter(compared.groupby("reading")))
-    for law, (reading, points) in product((*TANGENTIAL_LAWS, FROM_VELOCITY), readings.items()):
-        known = points[points[law].notna()]
+    for law in (*TANGENTIAL_LAWS, FROM_VELOCITY):
+        known = compared[compared[law].notna()]
         for (quantity, branch), part in known.groupby(["quantity", "branch"], sort=False):
             off = part[law] - part["measured"]
-            relative = off / part["measured"]
             error = part.get(f"{law}_error", 0.0) / part["measured"]
             rows.append(
                 {
                     "quantity": quantity,
                     "branch": branch,
-                    "reading": reading,
                     "law": law,
-                    "points": len(part),
                     "rms": np.sqrt(np.mean(off**2)),
                     "unit": QUANTITIES[str(quantity)],
-                    "relative_rms": np.sqrt(np.mean(relative**2)),
-                    "mean_relative": np.mean(relative),
+                    "relative_rms": np.sqrt(np.mean((off / part["measured"]) ** 2)),
                     "reading_error": part["reading_error"].max(),
                     "input_error": np.sqrt(np.mean(error**2)),
                     "evidence": "computed",
@@ -270,8 +258,8 @@ def marks(compared: pd.DataFrame, params: Params, contact: Contact) -> list[pd.D
     return frames
 
 
-def printed_transition(spheres: Microspheres) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the mark of the article's angle with its range, and its row of `bounds`.
+def printed_transition(spheres: Microspheres) -> pd.DataFrame:
+    """Return the mark of the article's angle with its range.
 
     Where sliding ends the impulse that friction gives, f (1 + e) v_n, is the one that leaves -e_t
     times the slip, 2/7 (1 + e_t) v_t.
@@ -280,43 +268,4 @@ def printed_transition(spheres: Microspheres) -> tuple[pd.DataFrame, pd.DataFram
     slip = relative_slip(spheres.friction, spheres.restitution, spheres.transition_deg + within)
     low, middle, high = 1.0 / slip - 1.0
     ends: dict[str, object] = {"evidence": "printed", "y_low": low, "y_high": high}
-    row = {
-        "spheres": f"article, sliding from {spheres.transition_deg:g} deg",
-        "quantity": "at the transition",
-        "angle_deg": spheres.transition_deg,
-        "value": middle,
-        "low": low,
-        "high": high,
-        "evidence": "printed",
-    }
-    mark = _frame("contact point", "article", 1.0 / (1.0 + middle), middle, **ends)
-    return mark, pd.DataFrame([row])
-
-
-def bounds(
-    params: Params, compared: pd.DataFrame, contact: Contact, small: Contact
-) -> pd.DataFrame:
-    """Return the contact point's restitution where sliding throughout begins, and its greatest."""
-    spheres = params.microspheres
-    rows: list[Row] = []
-    angle = np.linspace(0.0, 90.0, 20 * POINTS + 1)[1:-1]
-    for name, which, speed in (
-        (spheres.case, small, spheres.speed_m_per_s),
-        (f"{params.particle} on {params.surface}", contact, params.speed_m_per_s),
-    ):
-        for law in TANGENTIAL_LAWS:
-            impact = simulate(which, speed, angle, tangential=law)
-            left = contact_point(impact, which, speed, angle)
-            # None slides where friction is high or all are captured: then nothing is said of it.
-            places = [("at the transition", i) for i in np.flatnonzero(~impact.rolling)[-1:]]
-            for quantity, i in [*places, ("greatest", int(np.argmax(left)))]:
-                label = {"spheres": f"{name}, {law}", "quantity": quantity}
-                bound = {"angle_deg": angle[i], "value": left[i], "evidence": "computed"}
-                rows.append(label | bound)
-    seen = compared[compared["quantity"] == "tangential_restitution"]
-    left = turned(seen["measured"].to_numpy(float))
-    top = int(np.argmax(left))
-    greatest = {"spheres": params.external, "quantity": "greatest", "evidence": "measured"}
-    rows.append(greatest | {"angle_deg": float(seen["angle_deg"].iloc[top]), "value": left[top]})
-    columns = ["spheres", "quantity", "angle_deg", "value", "low", "high", "evidence"]
-    return pd.DataFrame(rows, columns=columns)
+    return _frame("contact point", "article", 1.0 / (1.0 + middle), middle, **ends)

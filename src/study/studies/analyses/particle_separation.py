@@ -315,17 +315,10 @@ def _any_silica(case: Combinations, silica: FloatArray) -> list[Row]:
     for name in (UNIFORM, PATCHES):
         where = first_crossing(silica, full(case_forces[ADHESION] / case_forces[name]))
         rows.append(band_row(f"silica where {ADHESION} meets {name}", 100.0 * where, "percent"))
-    distance = full(distance_from_equality(*case_forces.values()))
-    least = distance.min(axis=-1)
-    # With a full layer all is constant: the first place, whatever the rounding.
-    nearest = 100.0 * silica[(distance <= (1.0 + 1e-9) * least[..., None]).argmax(axis=-1)]
     touching = full(touching_spherules(case.particle))[..., 0]
     left = touching * full(case.particle.spherule_radius / case.particle.radius)[..., 0]
     return [
         *rows,
-        band_row("silica of least distance from equality", nearest, "percent"),
-        band_row("least distance from equality", least),
-        band_row("spherules that touch, full layer", touching),
         band_row(f"{ADHESION} over bare, full layer", left),
     ]
 

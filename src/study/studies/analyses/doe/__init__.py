@@ -31,7 +31,7 @@ from microimpact.statistics.effects import (
     product,
     quarter_fractions,
 )
-from study.declared.parameters import CaseName, Name, OpenShare, Positive
+from study.declared.parameters import CaseName, Must, Name, Positive
 from study.studies.analyses.doe.factors import (
     FACTORS,
     LETTERS,
@@ -59,13 +59,6 @@ _frame = partial(series_frame, x_unit="percent", y_unit="1")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DesignedCase:
-    """A calibrated contact: designs are run with it, or its elasticities are taken alone."""
-
-    designed: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class FitSampling:
     """How restitution is sampled to find the capture velocity by a fit of Eq. (34).
 
@@ -84,35 +77,24 @@ class Params:
     """
 
     seed: Annotated[int, Field(ge=0)]
-    cases: dict[CaseName, DesignedCase]
-    drawn_case: CaseName
+    cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
+    drawn_case: Annotated[CaseName, Must("one of", "cases")]
     generator: Name
-    confidence: OpenShare
     diameters_um: tuple[Positive, Positive]
     sampling: FitSampling
 
     def __post_init__(self) -> None:
-        """Refuse a generator that confounds factors, and a drawn case without a design."""
+        """Refuse a generator that confounds factors."""
         defining_relation(self.generator, LETTERS)
-        if self.drawn_case not in self.designed:
-            raise ValueError(
-                f"drawn_case: {self.drawn_case!r} must be a designed case:"
-                f" {', '.join(self.designed) or 'there is none'}"
-            )
-
-    @property
-    def designed(self) -> list[str]:
-        """Cases with which designs are run."""
-        return [name for name, case in self.cases.items() if case.designed]
 
 
 def run(params: Params, inputs: Tables) -> Tables:
     """Run every design and analyse it.
 
     ``doe_levels``, ``doe_design``: levels and runs of the full design with their capture velocities
-    in m/s, run 0 at the nominal values. ``doe_aliases``: what the fraction cannot tell apart.
-    ``doe_effects``: effects in % of the mean, or of 0.01 in ln v_c. ``doe_bd_aliasing``: BD in
-    every quarter fraction. ``doe_elasticities``: exact slopes. ``fig24``, ``fig25``: effects drawn.
+    in m/s, run 0 at the nominal values. ``doe_effects``: effects in % of the mean, or of 0.01 in
+    ln v_c, with what the fraction cannot tell apart. ``doe_bd_aliasing``: BD in every quarter
+    fraction. ``doe_elasticities``: exact slopes. ``fig24``, ``fig25``: effects drawn.
     Raises ValueError, naming the first run without a finite capture velocity.
     """
     experiments = list(_experiments(params, inputs))
@@ -129,7 +111,6 @@ def run(params: Params, inputs: Tables) -> Tables:
         if each.case == params.drawn_case
     }
     return {name: pd.concat(parts, ignore_index=True) for name, parts in tables.items()} | {
-        "doe_aliases": pd.DataFrame(alias_rows(experiments[0].relation)),
         "doe_effects": effect_rows,
         **drawn,
     }
@@ -154,14 +135,13 @@ class DesignedExperiment:
     response: FloatArray
     # That of the runs in the fraction by fits of Eq. (34), shape (replicates, runs), m/s.
     fitted: FloatArray
-    confidence: float  # Of the margins
 
 
 def _experiments(params: Params, inputs: Tables) -> Iterator[DesignedExperiment]:
     """Yield each case with each set of levels, its runs made."""
     share = float(all_printed(inputs)[PRINTED_VALUES[0]]) / 100.0
     small = Levels(**{name: (1.0 - share, 1.0 + share) for name, _ in FACTORS.values()})
-    for turn, case in enumerate(params.designed):
+    for turn, case in enumerate(params.cases):
         contact = calibrated_contact(inputs, case)
         wide = realistic_levels(contact, params.diameters_um, inputs)
         yield _experiment(params, case, "realistic", contact, wide, 2 * turn)
@@ -194,7 +174,6 @@ def _experiment(
         centre=float(response[0]),
         response=response[1:],
         fitted=fitted,
-        confidence=params.confidence,
     )
 
 
@@ -296,56 +275,32 @@ def _elasticity_table(case: str, inputs: Tables) -> pd.DataFrame:
     )
 
 
-def alias_rows(relation: Mapping[str, int]) -> list[Row]:
-    """Return each effect that the fraction estimates, with its aliases."""
-    resolution = min(map(len, relation), default=0)
-    return [
-        {
-            "effect": word,
-            "aliases": _signed(others),
-            "defining_relation": _identity(relation),
-            "resolution": resolution or "full",
-        }
-        for word, others in aliases(relation, LETTERS).items()
-    ]
-
-
 def _signed(words: Mapping[str, int], between: str = " ") -> str:
     return between.join(("-" if sign < 0 else "") + word for word, sign in words.items())
-
-
-def _identity(relation: Mapping[str, int]) -> str:
-    return _signed({"I": 1, **relation}, " = ")
 
 
 def effect_table(each: DesignedExperiment) -> pd.DataFrame:
     """Return the effects of each response over the fraction, and of exact ones over all runs.
 
-    They are in % of the mean response, or in hundredths of 1 in ln v_c. Beside them those of a pure
-    power law with the elasticities of the nominal contact, and the standard deviation over
-    replicates.
+    They are in % of the mean response, or in hundredths of 1 in ln v_c. Beside them the standard
+    deviation over replicates.
     """
-    slopes = elasticities(each.contact).at_fixed_zeta
-    law = each.centre * np.exp(np.log(coded(each.levels, each.full)) @ slopes)
-    exact, everything = each.response, np.arange(len(law))
+    exact, everything = each.response, np.arange(len(each.full))
     none: dict[str, int] = {}
     fraction, full = ("fraction", each.runs, each.relation), ("full", everything, none)
     cells = [
-        (fraction, "v_c", exact[None, each.runs], law),
-        (fraction, "ln v_c", np.log(exact[None, each.runs]), np.log(law)),
-        (fraction, "v_c by Eq. 34", each.fitted, law),
-        (full, "v_c", exact[None], law),
-        (full, "ln v_c", np.log(exact[None]), np.log(law)),
+        (fraction, "v_c", exact[None, each.runs]),
+        (fraction, "ln v_c", np.log(exact[None, each.runs])),
+        (fraction, "v_c by Eq. 34", each.fitted),
+        (full, "v_c", exact[None]),
+        (full, "ln v_c", np.log(exact[None])),
     ]
     tables = []
-    for (name, runs, relation), response, values, power in cells:
+    for (name, runs, relation), response, values in cells:
         classes = aliases(relation, LETTERS)
-        percent, predicted = (
-            _percent(each.full[runs], list(classes), of, logarithmic=response == "ln v_c")
-            for of in (values, power[runs])
-        )
+        percent = _percent(each.full[runs], list(classes), values, logarithmic=response == "ln v_c")
         mean = percent.mean(axis=0)
-        margins = lenth(mean, each.confidence)
+        margins = lenth(mean)
         columns = {
             "case": each.case,
             "variation": each.variation,
@@ -354,7 +309,6 @@ def effect_table(each: DesignedExperiment) -> pd.DataFrame:
             "effect": list(classes),
             "aliases": [_signed(others) for others in classes.values()],
             "effect_percent": mean,
-            "power_law_percent": predicted,
             "pseudo_error_percent": percent.std(axis=0, ddof=1) if len(percent) > 1 else np.nan,
             "lenth_pseudo_error_percent": margins.pseudo_error,
             "margin_percent": margins.margin,
@@ -398,7 +352,7 @@ def bd_aliasing(each: DesignedExperiment) -> Iterator[Row]:
         yield {
             "case": each.case,
             "variation": each.variation,
-            "defining_relation": _identity(relation),
+            "defining_relation": _signed({"I": 1, **relation}, " = "),
             "aliases_of_BD": _signed(others),
             "main_effect": next((word for word in others if len(word) == 1), "none"),
             "apparent_percent": percent(kept),

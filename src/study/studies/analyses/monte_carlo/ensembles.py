@@ -1,211 +1,158 @@
-"""Ensembles of impacts whose parameters are drawn from distributions, and estimates (Section 4.2).
+"""Ensembles of rigid spheres on a rough surface, and the estimates that they give (Section 4.2).
 
-Events come in replicates: batches of a fixed size, each with random numbers of its own. A replicate
-is a pure function of the ensemble, the angle and its number, so that neither the order in which
-replicates are computed nor the place matters. Each thread holds the draws of `BLOCK` events in
-memory, of one replicate or several small ones, and what rigid bodies do is added up in one compiled
-pass over them. The scatter of the replicates' means gives the error of every estimate, whatever the
-method of sampling. Sums over replicates are exact, so an estimate does not depend on the number of
-threads in its last digit either.
+Events come in replicates: quasi-random sets of a fixed size, each with random numbers of its own. A
+replicate is a pure function of the ensemble, the angle and its number. The scatter of the
+replicates' means gives the error of every estimate. One replicate at a time is in memory.
 """
 
 from __future__ import annotations
 
-import math
-import sys
-from abc import ABC, abstractmethod
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
-from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
-from itertools import islice
-from typing import Annotated, Any, Literal, NamedTuple, Protocol
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.lab.events import IntArray
 from microimpact.lab.surface import Rules, Strike, Surface, collide
 from microimpact.model import passes
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.law.families import NoTableError
+from microimpact.model.law.table import TOLERANCE, Law, tabulate
 from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
-    AnyDistribution,
     Constant,
     Distribution,
     generator,
     mean,
+    quasi_random,
 )
-from microimpact.statistics.sampling import (
-    Correlation,
-    Generator,
-    Method,
-    joint_shares,
-    require_varying,
-)
-from study.declared.parameters import Count
+from study.declared.parameters import Count, Finite, NonNegative
 
-# Draws of a replicate, by the names of the parameters.
-Draws = Mapping[str, FloatArray]
-
-# Slopes of the facets, of which every contact has its own.
-SLOPES = ("slope", "cross_slope")
-POSITIVE = ("speed_m_per_s", "diameter_um", "work_of_adhesion_factor")
-NON_NEGATIVE = ("friction", "restitution_factor", "hertz_damping_factor", "adhesion_damping_factor")
+# Probabilities whose quantiles bound all that is drawn.
+ENDS = np.array([SMALLEST_PROBABILITY, LARGEST_PROBABILITY])
+# How far the table of e reaches beyond the sizes and speeds drawn: spin before impact may make a
+# second one faster than the first.
+MARGIN, FASTEST = 0.01, 1.5
+# Sizes at which all spheres must have a capture velocity.
+SIZES = 12
+# Very wide distributions of sizes get tables of this relative error.
+WIDE_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Inferred:
-    """Slopes that are normal about the mean surface, as wide as a printed restitution asks for.
-
-    The study infers the width of each variant and puts a `Normal` in its place.
-    """
-
-    kind: Literal["inferred"] = "inferred"
-
-
-NONE, UNIT = Constant(at=0.0), Constant(at=1.0)
-
-Slope = Annotated[AnyDistribution | Inferred, Field(discriminator="kind")]
-
-
-@dataclass(frozen=True, kw_only=True)
 class Process:
-    """Process parameters and initial conditions, each any distribution."""
+    """Process parameters and initial conditions."""
 
     speed_m_per_s: Distribution  # Speed before impact
     diameter_um: Distribution  # Of the sphere
-    # Of the surface, along the motion and across it: tangents of the article's angle phi.
-    slope: Slope
-    cross_slope: Distribution
-    spin_ratio: Distribution  # r omega / v about the axis of tilt, positive in the sense of rolling
-    friction: Distribution  # Coulomb coefficient
-    # What follows does not vary in Section 4.2.
-    angle_offset_deg: Distribution = NONE  # Deviation from the nominal angle of incidence
-    # The rigid body model takes ``factor e + offset``, within [0, 1], for e; not with the dynamic
-    # simulation.
-    restitution_factor: Distribution = UNIT
-    restitution_offset: Distribution = NONE
-    work_of_adhesion_factor: Distribution = UNIT  # Multiple of the contact's work of adhesion
-    # Multiples of the coefficients of damping; with the dynamic simulation only.
-    hertz_damping_factor: Distribution = UNIT
-    adhesion_damping_factor: Distribution = UNIT
+    # Tangents of the article's angle phi; normal and as wide as `infer_slope` says if not given.
+    slope: Distribution | None = None
+    spin_ratio: Finite  # r omega / v about the axis of tilt, positive in the sense of rolling
+    friction: NonNegative  # Coulomb coefficient
 
     def __post_init__(self) -> None:
-        """Refuse distributions that reach values without meaning."""
-        ends = np.array([SMALLEST_PROBABILITY, LARGEST_PROBABILITY])
-        for name in POSITIVE + NON_NEGATIVE:
+        """Refuse speeds and diameters that are not positive."""
+        for name in ("speed_m_per_s", "diameter_um"):
             distribution = getattr(self, name)
             if getattr(distribution, "low", 0.0) > 0.0:  # nothing is drawn below; no need of SciPy
                 continue
-            low = float(np.min(distribution.quantile(ends)))
-            if low < 0.0 or (name in POSITIVE and low == 0.0):
-                allowed = "positive" if name in POSITIVE else "zero or more"
+            low = float(np.min(distribution.quantile(ENDS)))
+            if low <= 0.0:
                 raise ValueError(
-                    f"{name}: {distribution.kind} reaches down to {low:.4g}, must be {allowed}: "
+                    f"{name}: {distribution.kind} reaches down to {low:.4g}, must be positive: "
                     "take a truncated or lognormal distribution"
                 )
-
-    @cached_property
-    def distributions(self) -> dict[str, Any]:
-        """The distributions by name."""
-        return {item.name: getattr(self, item.name) for item in fields(self)}
-
-    def at_means(self, *, but: Sequence[str] = ()) -> Process:
-        """Return the process with all parameters but some held at their means."""
-        held = {k: Constant(at=mean(d)) for k, d in self.distributions.items() if k not in but}
-        return replace(self, **held)
-
-
-class Impact(Protocol):
-    """Model of an impact in an ensemble."""
-
-    def sums(self, ensemble: Ensemble, groups: Iterable[Events]) -> FloatArray:
-        """Return the sums over events, (replicates, columns), see `model.passes.SUMS`."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """How many events are drawn, and how; ``events`` of each replicate are a power of two."""
+    """How many events are drawn; ``events`` of each replicate are a power of two."""
 
     replicates: Annotated[int, Field(ge=2)]
     events: Count
-    method: Method = "plain"
-    generator: Generator = "exact"
 
     def __post_init__(self) -> None:
-        """Refuse a number that a Sobol sequence or antithetic pairs cannot have."""
+        """Refuse a number that a Sobol sequence cannot have."""
         if self.events < 2 or self.events & (self.events - 1):
             raise ValueError(f"events must be a power of two (2, 4, 8, ...), got {self.events}")
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RigidBody:
+    """Rigid body model with the restitution of simulated normal impacts.
+
+    At given damping and adhesion all diameters are one family of `model.law.families`, whose
+    velocity scale goes with their power -5/6.
+    """
+
+    law: Law  # e of all speeds and sizes that a process may draw
+    size: float  # Diameter in the middle of the family, um
+
+    @classmethod
+    def of(cls, contact: Contact, process: Process) -> RigidBody:
+        """Return the model of a contact for all speeds and sizes that a process may draw.
+
+        Raises ValueError if some of these spheres rebound at no speed, or at every one, or the
+        surface is curved.
+        """
+        if np.any(np.isfinite(contact.surface_radius)):
+            raise ValueError(
+                f"surface_radius: must be infinite in the rigid body model of an ensemble, got "
+                f"{contact.surface_radius}"
+            )
+        smallest, largest = process.diameter_um.quantile(ENDS)
+        size = np.geomspace(smallest * (1.0 - MARGIN), largest * (1.0 + MARGIN), SIZES)
+        spheres = resized(contact, size * 1e-6)
+        limit = np.asarray(capture_velocity(spheres))
+        odd = size[~(np.isfinite(limit) & (limit > 0.0))]
+        if odd.size:
+            raise ValueError(
+                f"process.diameter_um: spheres of {odd.max():.3g} um have no capture velocity; "
+                "narrow the distribution"
+            )
+        fastest = process.speed_m_per_s.quantile(ENDS)[1]
+        speeds = limit.max(), FASTEST * max(fastest, limit.max())
+        try:
+            law = tabulate(spheres, *speeds, tolerance=TOLERANCE)
+        except NoTableError:
+            law = tabulate(spheres, *speeds, tolerance=WIDE_TOLERANCE)
+        return cls(law=law, size=float(np.sqrt(size[0] * size[-1])))
+
+    def coordinates(self, diameter_um: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the velocity scales of spheres, m/s, and their positions in the family."""
+        steps, family = (5.0 / 6.0) * np.log(diameter_um / self.size), self.law.family
+        position = np.zeros_like(steps) if family.alike else -steps / family.half_width
+        return np.asarray(family.velocity_scale * np.exp(-steps)), np.asarray(position)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ensemble:
-    """Distributions, rules of the surface, and model of an impact."""
+    """Spheres that hit a rough surface, how many are drawn, and by which random numbers."""
 
     process: Process
+    slope: Distribution  # Along the motion
+    two_axes: bool  # Whether it is that across the motion too; else the surface is planar
     rules: Rules
-    impact: Impact
+    body: RigidBody
     plan: Plan
     seed: tuple[int, ...]
-    correlation: Correlation = field(default_factory=Correlation)
-
-    def __post_init__(self) -> None:
-        """Refuse a correlation with unknown or constant parameters."""
-        require_varying(self.correlation, self.process.distributions)
-
-    @property
-    def surface(self) -> Surface:
-        """The surface that is struck."""
-        slope, across = self.process.slope, self.process.cross_slope
-        if isinstance(slope, Inferred):
-            raise ValueError("slope: must be inferred before events are drawn; declare one")
-        return Surface(slope=slope, cross_slope=across, rules=self.rules)
-
-    @cached_property
-    def drawn(self) -> dict[str, Distribution]:
-        """Distributions of all that is drawn: parameters, and slopes of the facets met later.
-
-        These are independent of all else.
-        """
-        further = {
-            _name(axis, contact): getattr(self.process, axis)
-            for contact in range(1, self.rules.most_contacts)
-            for axis in SLOPES
-        }
-        return self.process.distributions | further
-
-    @cached_property
-    def constants(self) -> dict[str, FloatArray]:
-        """Values of the parameters that do not vary, (1,)."""
-        return {
-            name: np.full(1, law.at)
-            for name, law in self.process.distributions.items()
-            if isinstance(law, Constant)
-        }
+    restitution_shift: float = 0.0  # Added to e of the smooth surface, within [0, 1]
 
 
-def deterministic(ensemble: Ensemble) -> Ensemble:
+def at_means(ensemble: Ensemble) -> Ensemble:
     """Return the ensemble with every parameter at its mean: all events are one."""
-    process = ensemble.process.at_means()
-    return replace(
-        ensemble, process=process, correlation=Correlation(), plan=Plan(replicates=2, events=2)
+    process = replace(
+        ensemble.process,
+        speed_m_per_s=Constant(at=mean(ensemble.process.speed_m_per_s)),
+        diameter_um=Constant(at=mean(ensemble.process.diameter_um)),
     )
-
-
-# Events of a replicate of a long run, and as many as are drawn at a time: larger arrays go back to
-# the system with every task of a thread, and their pages come anew.
-BLOCK = 2**14
-# Events of a task: the few so close to capture that they are integrated go side by side.
-TOGETHER = 4 * BLOCK
-# Tasks of each thread that wait: threads are never idle, and an error is told soon.
-AHEAD = 4
-
-# Columns of the shares that are told.
-REPORTED = passes.ACCEPTED, passes.FACING_AWAY, passes.CAPTURED, passes.NOT_LEAVING
+    slope = Constant(at=mean(ensemble.slope))
+    return replace(ensemble, process=process, slope=slope, plan=Plan(replicates=2, events=2))
 
 
 class Estimate(NamedTuple):
@@ -226,14 +173,25 @@ class Estimate(NamedTuple):
     not_leaving: float
 
 
+class Sums(NamedTuple):
+    """Sums over the events of replicates: counts, measured e and -mu, and their squares."""
+
+    accepted: FloatArray
+    facing_away: FloatArray
+    captured: FloatArray
+    not_leaving: FloatArray
+    e: FloatArray
+    e_squared: FloatArray
+    mu: FloatArray
+    mu_squared: FloatArray
+
+
 def estimate(
     ensemble: Ensemble,
     angle_deg: float,
     key: int = 0,
     *,
-    threads: int = 1,
-    done: Callable[[int], None] | None = None,
-    shares: Sequence[Draws] | None = None,
+    shares: Iterable[FloatArray] | None = None,
 ) -> Estimate:
     """Return measured coefficients at one nominal angle.
 
@@ -245,206 +203,95 @@ def estimate(
         Nominal angle of incidence from the surface.
     key
         Number of the random streams: other keys, independent estimates.
-    threads
-        Number of threads; results do not depend on it.
-    done
-        Called with the number of events after each task.
     shares
         Result of `replicate_shares` for every replicate, if there already; estimates of
         ensembles that differ in their parameters alone may share them.
     """
     plan = ensemble.plan
-
-    def some(numbers: range) -> FloatArray:
-        drawn = (
-            (replicate_shares(ensemble, key, number) for number in numbers)
-            if shares is None
-            else shares[numbers.start : numbers.stop]
-        )
-        return replicate_sums(ensemble, angle_deg, drawn)
-
-    together = max(1, TOGETHER // plan.events)
-    tasks = (
-        range(first, min(first + together, plan.replicates))
-        for first in range(0, plan.replicates, together)
-    )
-    sums = []
-    for part in _shared(some, tasks, threads):
-        sums.append(part)
-        if done is not None:
-            done(plan.events * len(part))
-    return summary(np.concatenate(sums), plan.events)
+    if shares is None:
+        shares = (replicate_shares(ensemble, key, number) for number in range(plan.replicates))
+    sums = Sums(*np.transpose([replicate_sums(ensemble, angle_deg, each) for each in shares]))
+    events = plan.replicates * plan.events
+    counts = (float(count.sum()) / events for count in sums[:4])
+    if not sums.accepted.any():
+        return Estimate(*[np.nan] * 6, *counts)
+    e, mu = _moments(sums.e, sums.e_squared, sums), _moments(sums.mu, sums.mu_squared, sums)
+    return Estimate(*e, *mu, *counts)
 
 
-def long_run(ensemble: Ensemble, events: int) -> Ensemble:
-    """Return the ensemble with so many plain draws, rounded up to whole replicates of `BLOCK`."""
-    plan = Plan(replicates=max(2, -(-events // BLOCK)), events=BLOCK)
-    return replace(ensemble, plan=plan)
+def _moments(values: FloatArray, squares: FloatArray, sums: Sums) -> tuple[float, float, float]:
+    """Return mean of the accepted events, its standard error, and their standard deviation."""
+    n, accepted = values.size, sums.accepted.sum()
+    average = values.sum() / accepted
+    # Scatter of a ratio of sums, as the number accepted varies between replicates.
+    scatter = values - average * sums.accepted
+    error = np.sqrt(np.sum(scatter**2) * n / (n - 1)) / accepted
+    variance = squares.sum() / accepted - average**2
+    return float(average), float(error), float(np.sqrt(max(variance, 0.0)))
 
 
-def _shared(
-    task: Callable[[range], FloatArray], numbers: Iterable[range], threads: int
-) -> Iterator[FloatArray]:
-    """Yield the results of a task, in the order of its numbers."""
-    if threads == 1:
-        yield from map(task, numbers)
-        return
-    left = iter(numbers)
-    with ThreadPoolExecutor(threads) as pool:
-        waiting = deque(pool.submit(task, one) for one in islice(left, AHEAD * threads))
-        while waiting:
-            yield waiting.popleft().result()
-            waiting.extend(pool.submit(task, one) for one in islice(left, 1))
+def replicate_shares(ensemble: Ensemble, key: int, number: int) -> FloatArray:
+    """Return the shares of one replicate's events of which the quantiles are their parameters.
 
-
-def summary(sums: FloatArray, events: int) -> Estimate:
-    """Return the estimate of replicates, in their order; means are NaN if no event is accepted."""
-    total = np.array([math.fsum(column) for column in sums.T])
-    shares = total / (len(sums) * events)
-    if not (accepted := total[passes.ACCEPTED]):
-        return Estimate(*[np.nan] * 6, *(float(shares[i]) for i in REPORTED))
-    numbers: list[float] = []
-    for first, squares in ((passes.E, passes.E_SQUARED), (passes.MU, passes.MU_SQUARED)):
-        average = total[first] / accepted
-        # Scatter of a ratio of sums, as the number accepted varies between replicates.
-        scatter = sums[:, first] - average * sums[:, passes.ACCEPTED]
-        error = np.sqrt(math.fsum(scatter**2) * len(sums) / (len(sums) - 1)) / accepted
-        variance = total[squares] / accepted - average**2
-        numbers += [float(average), float(error), float(np.sqrt(max(variance, 0.0)))]
-    return Estimate(*numbers, *(float(shares[i]) for i in REPORTED))
-
-
-def replicate_shares(ensemble: Ensemble, key: int, number: int) -> Draws:
-    """Return the shares of one replicate's events of which the quantiles are their parameters."""
-    plan = ensemble.plan
-    return joint_shares(
-        ensemble.drawn,
-        plan.events,
-        generator(ensemble.seed[0], *ensemble.seed[1:], key, number),
-        correlation=ensemble.correlation,
-        method=plan.method,
-        generator=plan.generator,
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Events:
-    """Events of some replicates of an ensemble at one nominal angle, degrees."""
-
-    ensemble: Ensemble
-    angle_deg: float
-    shares: Draws  # Of which the quantiles are parameters; of constants one for all
-    # Number of events, and of the replicates that these are in turn.
-    count: int
-    replicates: int
-
-    @property
-    def draws(self) -> dict[str, FloatArray]:
-        """Values of all parameters but the slopes; of constants of shape (1,)."""
-        constants = self.ensemble.constants
-        varying = {
-            name: law.quantile(self.shares[name])
-            for name, law in self.ensemble.process.distributions.items()
-            if name not in SLOPES and name not in constants
-        }
-        return constants | varying
-
-    @property
-    def facets(self) -> list[tuple[FloatArray, FloatArray]]:
-        """Shares of the facets met in turn, along and across."""
-        contacts = range(self.ensemble.rules.most_contacts)
-        return [
-            (self.shares[_name("slope", k)], self.shares[_name("cross_slope", k)]) for k in contacts
-        ]
-
-
-class Struck(ABC):
-    """Impacts that are found contact by contact."""
-
-    @abstractmethod
-    def __call__(self, draws: Draws) -> Strike:
-        """Return the rebounds of spheres with these draws, as a function of their contacts."""
-
-    def sums(self, ensemble: Ensemble, groups: Iterable[Events]) -> FloatArray:
-        """Return the sums over events, see `Impact`."""
-        return np.concatenate([self._sums(ensemble.surface, events) for events in groups])
-
-    def _sums(self, surface: Surface, events: Events) -> FloatArray:
-        n, rules = events.count, surface.rules
-        draws = {name: np.broadcast_to(values, n) for name, values in events.draws.items()}
-        facets = [(np.broadcast_to(a, n), np.broadcast_to(b, n)) for a, b in events.facets]
-        before, spin = _approach(draws, events.angle_deg)
-        rebound = collide(surface, before, spin, facets, self(draws))
-        faced, accepted, after = rebound.contacts > 0, rebound.observed(rules), rebound.velocity
-        change = after[accepted] - before[accepted]
-        e, mu = np.zeros((2, n))
-        e[accepted] = -after[accepted, 2] / before[accepted, 2]
-        mu[accepted] = -change[:, 0] / change[:, 2]
-        counts = (~faced, rebound.kept, faced & ~rebound.kept & ~accepted, accepted)
-        sums = [
-            values.reshape(events.replicates, -1).sum(axis=1, dtype=float)
-            for values in (*counts, e, e**2, mu, mu**2)
-        ]
-        return np.stack(sums, axis=1)
-
-
-def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Iterable[Draws]) -> FloatArray:
-    """Return counts of rejections, and sums of e and -mu and of their squares.
-
-    Shape (replicates, 8), of the shares of each replicate.
+    Rows are speed, diameter, and for each facet met in turn its slope along the motion and, if the
+    surface has two axes, across it.
     """
-    left, together = iter(shares), max(1, BLOCK // ensemble.plan.events)
-    parts = iter(lambda: list(islice(left, together)), [])
-    groups = (_events(ensemble, angle_deg, part) for part in parts)
-    return ensemble.impact.sums(ensemble, groups)
+    axes = 2 if ensemble.two_axes else 1
+    rng = generator(*ensemble.seed, key, number)
+    points = quasi_random(ensemble.plan.events, 2 + axes * ensemble.rules.most_contacts, rng)
+    return np.ascontiguousarray(points.T)
 
 
-def _events(ensemble: Ensemble, angle_deg: float, shares: Sequence[Draws]) -> Events:
-    """Return the events of the shares of some replicates."""
-    joined = shares[0]
-    if len(shares) > 1:
-        joined = {
-            name: one if one.size == 1 else np.concatenate([s[name] for s in shares])
-            for name, one in joined.items()
-        }
-    return Events(
-        ensemble=ensemble,
-        angle_deg=angle_deg,
-        shares=joined,
-        count=len(shares) * ensemble.plan.events,
-        replicates=len(shares),
+def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: FloatArray) -> list[float]:
+    """Let the spheres of one replicate hit the surface; return `Sums` of its events.
+
+    Parameters
+    ----------
+    ensemble
+        The ensemble.
+    angle_deg
+        Nominal angle of incidence from the surface.
+    shares
+        As of `replicate_shares`.
+    """
+    process, rules, planar = ensemble.process, ensemble.rules, Constant(at=0.0)
+    surface = Surface(
+        slope=ensemble.slope,
+        cross_slope=ensemble.slope if ensemble.two_axes else planar,
+        rules=rules,
     )
+    speed = process.speed_m_per_s.quantile(shares[0])
+    diameter = process.diameter_um.quantile(shares[1])
+    before, turn = np.zeros((2, speed.size, 3))
+    before[:, 0] = speed * np.cos(np.radians(angle_deg))
+    before[:, 2] = -speed * np.sin(np.radians(angle_deg))
+    turn[:, 1] = process.spin_ratio * speed
+    facets = shares[2:].reshape(rules.most_contacts, -1, speed.size)
+    # A planar surface takes any share for its slope across.
+    pairs = ((facet[0], facet[-1]) for facet in facets)
+    rebound = collide(surface, before, turn, pairs, _rigid(ensemble, diameter))
+    accepted, facing_away = rebound.observed(rules), rebound.contacts == 0
+    change = (rebound.velocity - before)[accepted]
+    e = -rebound.velocity[accepted, 2] / before[accepted, 2]
+    mu = -change[:, 0] / change[:, 2]
+    rejected = ~(accepted | facing_away | rebound.kept)
+    counts = accepted, facing_away, rebound.kept, rejected
+    return [float(np.sum(values)) for values in (*counts, e, e**2, mu, mu**2)]
 
 
-def _approach(draws: Draws, angle_deg: float) -> tuple[FloatArray, FloatArray]:
-    """Velocity and spin before impact, in the frame of the nominal surface, shape (n, 3)."""
-    angle, speed = np.radians(angle_deg + draws["angle_offset_deg"]), draws["speed_m_per_s"]
-    none = np.zeros_like(speed)
-    velocity = np.stack([speed * np.cos(angle), none, -speed * np.sin(angle)], axis=1)
-    turn = draws["spin_ratio"] * speed / (0.5e-6 * draws["diameter_um"])
-    return velocity, np.stack([none, turn, none], axis=1)
+def _rigid(ensemble: Ensemble, diameter_um: FloatArray) -> Strike:
+    """Return the contacts of rigid spheres; their spin is r omega, m/s."""
+    unit, position = ensemble.body.coordinates(diameter_um)
+    friction = np.full(diameter_um.size, ensemble.process.friction)
 
+    def strike(
+        which: IntArray, velocity: FloatArray, turn: FloatArray, normal: FloatArray
+    ) -> tuple[FloatArray, FloatArray, BoolArray]:
+        speed = -np.vecdot(velocity, normal)
+        bare = ensemble.body.law.restitution(speed / unit[which], position[which])
+        e = np.clip(bare + ensemble.restitution_shift, 0.0, 1.0)
+        after, turned = np.empty((2, *velocity.shape))
+        passes.rebounds(velocity, turn, normal, e, friction[which], after, turned)
+        return after, turned, bare <= 0.0
 
-def _name(axis: str, contact: int) -> str:
-    return f"{axis}, contact {contact + 1}" if contact else axis
-
-
-@contextmanager
-def progress(title: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Yield a function that advances a bar towards ``total`` by each further part."""
-    if not sys.stderr.isatty():
-        yield lambda _: None
-        return
-    from rich import progress as bars
-    from rich.console import Console
-
-    columns = (
-        bars.TextColumn("{task.description}"),
-        bars.BarColumn(),
-        bars.TaskProgressColumn(),
-        bars.TimeElapsedColumn(),
-        bars.TimeRemainingColumn(),
-    )
-    with bars.Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=total)
-        yield lambda part: bar.advance(task, part)
+    return strike

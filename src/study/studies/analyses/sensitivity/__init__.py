@@ -22,11 +22,9 @@ from microimpact.statistics.sobol import (
 )
 from study.declared.parameters import CaseName, Count, Must, OpenShare, Positive
 from study.studies.analyses.doe.factors import (
-    FACTORS,
     LETTERS,
     NAMES,
     at_levels,
-    factor_values,
     flat_family,
 )
 from study.studies.analyses.sensitivity.ridge import Targets, calibrated_sample, material_damping
@@ -42,8 +40,6 @@ CALIBRATED = 9
 
 # What is drawn with a calibration, in order: the first is variability, the others are uncertain.
 CALIBRATED_INPUTS = ("radius", "stiffness", "restitution", "capture_velocity", "ridge")
-# Factors that a calibration fixes, and the share of their draws that is told.
-CALIBRATED_FACTORS, CENTRAL = "ABDE", 0.9
 # Number of base samples from which the convergence is shown.
 LEAST_SAMPLES = 32
 # Indices of responses at a Saltelli sample, with their intervals.
@@ -81,12 +77,11 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``sensitivity_indices``: indices of the five factors, varied independently, beside their
     effects. ``sensitivity_convergence``: the same by number of samples. ``sensitivity_groups``:
-    variability of the radius apart from the uncertainty of all that is calibrated.
-    ``sensitivity_parameters``: what is calibrated, and how it goes with w_A. ``sobol``: indices
-    drawn.
+    variability of the radius apart from the uncertainty of all that is calibrated. ``sobol``:
+    indices drawn.
     """
     parts: dict[str, list[pd.DataFrame]] = {
-        name: [] for name in ("indices", "convergence", "groups", "parameters")
+        name: [] for name in ("indices", "convergence", "groups")
     }
 
     def finder(*key: int) -> Find:
@@ -112,11 +107,10 @@ def run(params: Params, inputs: Tables) -> Tables:
                 parts["groups"] += group_tables(draw, NAMES.index("radius"), find)
             parts["convergence"] += convergence_tables(draw, find)
         wide, key = by_variation.get_group("realistic"), (number, CALIBRATED)
-        draw, sample = calibrated(params, case, contact, wide, inputs, key)
+        draw = calibrated(params, case, contact, wide, inputs, key)
         find = finder(*key)
         parts["groups"] += group_tables(draw, CALIBRATED_INPUTS.index("radius"), find)
         parts["groups"].append(_input_table(draw, "input", CALIBRATED_INPUTS, find(draw.kept())))
-        parts["parameters"].append(parameter_table(case, sample))
     named = {
         f"sensitivity_{name}": pd.concat(own, ignore_index=True) for name, own in parts.items()
     }
@@ -211,8 +205,8 @@ def calibrated(
     levels: pd.DataFrame,
     inputs: Tables,
     key: tuple[int, int],
-) -> tuple[Draw, Contact]:
-    """Return capture velocities for a radius and a calibration drawn, and the contacts calibrated.
+) -> Draw:
+    """Return capture velocities for a radius and a calibration drawn.
 
     The radius varies from sphere to sphere; the targets, the stiffness and the place on the ridge
     are uncertain, and fix w_A and both damping coefficients at the nominal radius. The last lies
@@ -239,7 +233,7 @@ def calibrated(
     sample, met = calibrated_sample(contact, targets)
     limits = capture_velocity(sample.replace(diameter=sample.diameter * radius))
     response = np.where(met, limits, np.nan).reshape(cube.shape[:2])
-    return Draw(case=case, variation="calibrated", response=response), sample
+    return Draw(case=case, variation="calibrated", response=response)
 
 
 def _require_admissible(targets: Targets) -> None:
@@ -295,22 +289,17 @@ def index_tables(draw: Draw, effects: pd.DataFrame, find: Find) -> Iterator[pd.D
     keys = ["case", "variation", "design"]
     whole = effects[(effects[keys] == [draw.case, draw.variation, "full"]).all(axis=1)]
     for response, values in {"v_c": draw.kept(), "ln v_c": np.log(draw.kept())}.items():
-        indices = find(values)
         size = whole[whole["response"] == response].set_index("effect")["effect_percent"]
         square = size**2 / float((size**2).sum())
         words = [[letter in word for word in square.index] for letter in LETTERS]
-        main_effects = size[list(LETTERS)].to_numpy(float)
         columns = {
             "response": response,
-            "standard_deviation_percent": _spread(draw.kept()),
             "factor": list(LETTERS),
             "name": NAMES,
-            **asdict(indices),
-            "effect_percent": main_effects,
+            **asdict(find(values)),
+            "effect_percent": size[list(LETTERS)].to_numpy(float),
             "effect_first": square[list(LETTERS)].to_numpy(float),
             "effect_total": [float(square[of].sum()) for of in words],
-            "rank_by_total": _ranks(indices.total),
-            "rank_by_effect": _ranks(np.abs(main_effects)),
             "evidence": "computed",
         }
         yield pd.DataFrame(draw.label | columns)
@@ -340,30 +329,8 @@ def group_tables(draw: Draw, radius: int, find: Find) -> Iterator[pd.DataFrame]:
 def _input_table(
     draw: Draw, kind: str, names: Sequence[str], sobol_indices: Indices
 ) -> pd.DataFrame:
-    spread = {"standard_deviation_percent": _spread(draw.kept())}
     indices = {"kind": kind, "input": names, **asdict(sobol_indices), "evidence": "computed"}
-    return pd.DataFrame(draw.label | spread | indices)
-
-
-def parameter_table(case: str, sample: Contact) -> pd.DataFrame:
-    """Return medians, 90 % ranges and rank correlations of the calibrated factors."""
-    factors = factor_values(sample)
-    values = pd.DataFrame({letter: factors[letter] for letter in CALIBRATED_FACTORS})
-    low, median, high = np.quantile(values, [0.5 - CENTRAL / 2, 0.5, 0.5 + CENTRAL / 2], axis=0)
-    ranks = values.rank()
-    return pd.DataFrame(
-        {
-            "case": case,
-            "factor": list(CALIBRATED_FACTORS),
-            "name": [FACTORS[letter][0] for letter in CALIBRATED_FACTORS],
-            "unit": [FACTORS[letter][1] for letter in CALIBRATED_FACTORS],
-            "low": low,
-            "median": median,
-            "high": high,
-            "rank_correlation_with_B": [np.corrcoef(ranks[of], ranks["B"])[0, 1] for of in ranks],
-            "evidence": "calibrated",
-        }
-    )
+    return pd.DataFrame(draw.label | indices)
 
 
 def drawn(tables: Tables, case: str) -> pd.DataFrame:
@@ -396,14 +363,3 @@ def _frame(panel: str, series: str, x: FloatArray, rows: pd.DataFrame, column: s
     ends = [rows[name] for end in ("low", "high") if (name := f"{column}_{end}") in rows]
     y = rows[column]
     return series_frame(panel, series, x, y, "computed", *ends, x_unit="1", y_unit="1")
-
-
-def _spread(kept: FloatArray) -> float:
-    """Return the standard deviation in % of the mean, over the points A and B."""
-    independent = kept[:, [0, -1]]
-    return float(100.0 * independent.std(ddof=1) / independent.mean())
-
-
-def _ranks(sizes: FloatArray) -> pd.Series:
-    """Return ranks from the largest; sizes equal but for rounding share one."""
-    return pd.Series(sizes).round(9).rank(ascending=False, method="min").astype(int)
