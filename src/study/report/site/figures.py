@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlencode
 
 from study import studies
@@ -119,7 +119,7 @@ def figures(
             article=" ".join(entry.get("article", "").split()),
             data=data,
             tables={file: words for file, words in tables.items() if (results / file).is_file()},
-            marks=_marks([results / file for file in data]),
+            marks=_marks([results / file for file in data], entry.get("panels", {})),
             values=tuple(joined(_branch(study, declared))),
             rows=_rows(record.rows.get(study, {}), declared),
             upstream=upstream(study),
@@ -137,17 +137,27 @@ def figures(
     return [figure(n) for n in sorted(there, key=lambda n: (not ARTICLE.fullmatch(n), n))]
 
 
-def _marks(paths: Iterable[Path]) -> dict[str, tuple[str, ...]]:
-    """Return the series of each evidence class; the rows of a picture count as one."""
+def _marks(
+    paths: Iterable[Path], panels: Mapping[str, Mapping[str, Any]]
+) -> dict[str, tuple[str, ...]]:
+    """Return the series of each evidence class, as the legends name them.
+
+    The rows of a picture count as one.
+    """
+    labels = {
+        name: " ".join(spec["label"].split())
+        for panel in panels.values()
+        for name, spec in panel.get("series", {}).items()
+        if not spec.get("label", "_").startswith("_")
+    }
     series = dict.fromkeys((r["evidence"], r["series"]) for path in paths for r in read_rows(path))
     marks: dict[str, dict[str, None]] = {}
     for evidence, name in series:
-        words = "grey levels of its rows" if name.isdigit() else in_words(name)
+        words = "grey levels of its rows" if name.isdigit() else labels.get(name, in_words(name))
         marks.setdefault(evidence, {})[words] = None
     return {evidence: tuple(names) for evidence, names in marks.items()}
 
 
-@cache
 def upstream(study: str) -> tuple[str, ...]:
     """Return the studies whose tables a study rests on, the nearest first."""
     chain = [study]
