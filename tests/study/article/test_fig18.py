@@ -142,13 +142,13 @@ def test_the_rigid_body_has_the_restitution_of_the_pair(study):
 @pytest.mark.parametrize(
     ("impact", "left"),
     [
-        ({}, {"printed plateau", "posterior", "virtual experiment"}),
-        ({"speed_m_per_s": 1.7}, {"posterior"}),
-        ({"diameter_um": 63.0}, {"posterior"}),
-        ({"friction": 0.3}, {"printed plateau", "posterior"}),
-        ({"case": "steel-silicon, n = 0"}, {"printed plateau", "posterior"}),
-        ({"spin_rad_per_s": 1.0e4}, {"printed plateau", "posterior"}),
-        (MOLYBDENUM, set()),
+        ({}, ["posterior", "printed plateau", "virtual experiment"]),
+        ({"speed_m_per_s": 1.7}, ["posterior"]),
+        ({"diameter_um": 63.0}, ["posterior"]),
+        ({"friction": 0.3}, ["posterior", "printed plateau"]),
+        ({"case": "steel-silicon, n = 0"}, ["posterior", "printed plateau"]),
+        ({"spin_rad_per_s": 1.0e4}, ["posterior", "printed plateau"]),
+        (MOLYBDENUM, []),
     ],
     ids=str,
 )
@@ -156,4 +156,4 @@ def test_what_is_printed_drawn_or_measured_stands_beside_its_own_impact_alone(st
     tables = study(points=40, **impact)
     both = pd.concat([tables["fig18"], tables["fig21"]])
     beside = {*both["series"], *both["evidence"]}
-    assert beside & {"printed plateau", "posterior", "virtual experiment"} == left
+    assert sorted(beside & {"printed plateau", "posterior", "virtual experiment"}) == left

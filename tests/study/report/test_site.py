@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from tests.study.report.pages import Page
 
 from study import studies
-from study.declared.provenance import EVIDENCE, RESULT_EVIDENCE
+from study.declared.provenance import EVIDENCE
 from study.ledgers.claims import COLUMNS
 from study.report.check.results import ResultsError
 from study.report.commands import commands
@@ -31,6 +31,7 @@ from study.report.site.record import (
     row_names,
     write_record,
 )
+from study.tables import RESULT_EVIDENCE
 
 
 @pytest.fixture(scope="module")
