@@ -89,7 +89,10 @@ def test_each_small_change_is_seen_in_its_figures_and_tables_alone(checked):
         set(re.search(rf"^{kind}: (.*)$", done.stdout, flags=re.MULTILINE)[1].split(", "))
         for kind in ("Tables", "Data", "Figures")
     )
-    assert data | figures == {"fig14", "fig17", "fig20", "posterior_bands", "doppler_pairs"}
+    doppler = {"correction_curves", "doppler_stream", "pairing_curves"}
+    assert data | figures == {"fig14", "fig17", "fig20", "posterior_bands", *doppler} | {
+        "doppler_pairs"
+    }
     assert "config, restitution_trends.body_speed_m_per_s" in done.stdout
     assert re.search(r"\| value +\| 30 +\| 30\.03 +\| 1\.0e-03 +\|", done.stdout)
     calibrated = {"calibration", "force_ratios", "molybdenum_capture"}

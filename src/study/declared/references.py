@@ -258,8 +258,8 @@ class Resolver:
         if isinstance(below, Declared):
             return replace(above, overrides=f"{below.origin} = {as_text(below.value)}")
         places = below.places if isinstance(below, _Reference) else ()
-        place = ", ".join(places) or next(_places(below), "").rpartition(".")[0]
-        return replace(above, overrides=place)
+        entry = ", ".join(places) or next(_places(below), "").rpartition(".")[0]
+        return replace(above, overrides=entry)
 
 
 def _absent(key: str, value: object = None) -> Declared:

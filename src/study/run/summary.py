@@ -45,8 +45,8 @@ def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) ->
     if "report/index.html" in made:
         for name, words in (("claims", "Claims of the article"), ("equations", "Its equations")):
             verdicts = Counter(_cells(results / f"tables/{name}.csv", "verdict")).most_common()
-            told = ", ".join(f"{count} {verdict}" for verdict, count in verdicts)
-            lines += [f"{words}: {told}."] if told else []
+            numbers = ", ".join(f"{count} {verdict}" for verdict, count in verdicts)
+            lines += [f"{words}: {numbers}."] if numbers else []
     if outdated:
         number = f"{len(outdated)} results" if len(outdated) > 1 else outdated[0]
         lines.append(

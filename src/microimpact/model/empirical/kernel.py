@@ -525,11 +525,11 @@ def _below(u):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _damped(place, growth):  # type: ignore[no-untyped-def]
-    """Place of an adhesion damping e^growth times as large, and its slopes in both."""
+def _damped(position, growth):  # type: ignore[no-untyped-def]
+    """Position on its axis of an adhesion damping e^growth times as large, and slopes in both."""
     least, largest, count = DAMPING_AXIS
     step = math.log(largest / least) / (count - 1.0)
-    ratio = least * math.exp(place * step)
+    ratio = least * math.exp(position * step)
     share = ratio / (1.0 + ratio) * math.exp(growth)
     if share >= largest / (1.0 + largest):
         return count - 1.0, 0.0, 0.0

@@ -53,7 +53,7 @@ _SCALE = (shapes.RATIOS - 1) / np.sqrt(np.log(shapes.LARGEST_RATIO))
 
 @cache
 def _table(law: str | None) -> FloatArray:
-    """Table of a law with what changes with d as last columns; these alone for Eq. (34)."""
+    """Table of a law, its exponents in d as last columns; these alone for Eq. (34)."""
     if law is None:
         return np.array([EXPONENT_OF_EQ_34, 0.0, 0.0]).reshape(1, 1, 1, BY_SIZE)
     columns = [shapes.table(law), shapes.by_size(law)]

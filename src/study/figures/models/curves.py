@@ -62,8 +62,8 @@ def draw_normal(tables: Tables, spec: FigureSpec) -> Figure:
     look: dict[str, Any] = {"fontsize": "small", "ha": "center", "va": "bottom"}
     for ax in axes.values() if is_band.any() else ():
         ax.axvspan(low, high, color="0.9", linewidth=0, zorder=0)
-        words, place = "piles up (article)", ax.get_xaxis_transform()
-        ax.text((low + high) / 2, 1.01, words, transform=place, **look)
+        words, across = "piles up (article)", ax.get_xaxis_transform()
+        ax.text((low + high) / 2, 1.01, words, transform=across, **look)
     return figure
 
 

@@ -121,20 +121,21 @@ def _visible(folder: Path, pattern: str) -> list[Path]:
 
 
 @cache
-def code_module(function: str) -> Path:
-    """Return the module that defines a function, by its full name, relative to the packages."""
+def code_module(function: str) -> Path | None:
+    """Return the module of a function by its full name, relative to the packages; None, if none."""
     *parents, _ = function.split(".")
     for end in range(len(parents), 0, -1):
         stem = Path(*parents[:end])
         for module in (stem.with_suffix(".py"), stem / "__init__.py"):
             if (SOURCES / module).is_file():
                 return module
-    raise ValueError(f"{function}: no module of the packages defines it")
+    return None
 
 
 def code_copy(function: str) -> str:
-    """Return the address in the report of a copy of a function's module, as plain text."""
-    return f"files/code/{code_module(function).with_suffix('.txt').as_posix()}"
+    """Return the address in the report of a copy of a function's module; empty without one."""
+    module = code_module(function)
+    return f"files/code/{module.with_suffix('.txt').as_posix()}" if module else ""
 
 
 def site_pages(results: Path, record: Record) -> dict[str, str]:
@@ -202,7 +203,11 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
             ),
         }
         | _figure_pages(shown, common)
-        | {code_copy(n): (SOURCES / code_module(n)).read_text(encoding="utf-8") for n in functions}
+        | {
+            code_copy(name): (SOURCES / module).read_text(encoding="utf-8")
+            for name in functions
+            if (module := code_module(name))
+        }
     )
 
 

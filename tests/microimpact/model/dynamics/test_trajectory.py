@@ -111,11 +111,10 @@ def test_impulses_are_the_areas_under_the_forces(contact, basis):
     impact = normal_impact(contact, 0.5, ledger=True)
     path = trajectory(contact, 0.5, points=20001, friction_basis=basis)
     compressive = simpson(np.maximum(path.normal_force, 0.0), x=path.time)
-    assert compressive == pytest.approx(impact.compressive_impulse, rel=1e-6)
-    assert simpson(path.hertz_force, x=path.time) == pytest.approx(impact.hertz_impulse, rel=1e-6)
-    assert simpson(path.adhesion_force, x=path.time) == pytest.approx(
-        impact.ledger.adhesion_impulse, rel=1e-5
-    )
+    areas = compressive, simpson(path.hertz_force, x=path.time)
+    assert areas == pytest.approx((impact.compressive_impulse, impact.hertz_impulse), 1e-6, 0.0)
+    adhesion = simpson(path.adhesion_force, x=path.time)
+    assert adhesion == pytest.approx(impact.ledger.adhesion_impulse, rel=1e-5, abs=0.0)
 
 
 @every_basis

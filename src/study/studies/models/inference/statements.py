@@ -66,7 +66,6 @@ Quantity = Literal[
 ]
 FRICTIONAL = ("impulse ratio", "change of impulse ratio")
 OF_CAPTURE = ("capture velocity in m/s", "share captured")
-OF_RESTITUTION = ("restitution", "fall of restitution")
 # Before the name of a statement: how fast its value changes as normals turn, per radian.
 TURNING = "turning "
 Values = dict[str, FloatArray]
