@@ -37,7 +37,6 @@ from study.studies.experiments import mechanisms
 from study.studies.experiments.mechanisms import spore as spore_mechanism
 from study.studies.experiments.mechanisms.shallow import adhesion_or_roughness, shallow_curves
 from study.studies.models import calibration as calibration_study
-from study.studies.samples import Sampling
 
 STEEL = ("steel-silicon, n = 0", "steel-silicon, n = 1")
 MOLYBDENUM = "fluorescein-molybdenum, nominal"
@@ -136,14 +135,7 @@ def net_force(claim, world):
     # Without tables of the law, every contact is integrated.
     world.patch.setattr(experiment, "simulated", lambda contact, n, law: simulated(contact, n))
     params = build(mechanisms.Params, world.settings.branches["mechanisms"])
-    sampling = Sampling(
-        seed=params.seed,
-        impacts=params.impacts,
-        events=params.events,
-        angle_error_deg=params.instrument.angle_error_deg,
-        dispenser=params.dispenser,
-    )
-    curves = shallow_curves(params.shallow, sampling, world.inputs)
+    curves = shallow_curves(params.shallow, params.sampling, world.inputs)
     table = pd.DataFrame(adhesion_or_roughness(params.shallow, curves))
     return world.numbers(claim, {"adhesion_or_roughness": table})
 

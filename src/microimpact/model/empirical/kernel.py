@@ -566,13 +566,13 @@ def _sized(grid, z, reach, weights, lines, sized) -> None:  # type: ignore[no-un
 
 
 @_jit
-def _mixed(sized, reach, scale, x, log_d, rate, share, center, low, high, lines):  # type: ignore[no-untyped-def]
+def _mixed(sized, reach, scale, x, log_d, rate, share, center, low, high, weights, lines):  # type: ignore[no-untyped-def]
     """Put slopes and e where ln d goes with ln(v/v_c): ``log_d`` at x, with slope ``rate``.
 
     Returns the slope of e in ln d at x.
 
     The last row of ``lines`` is the slope in the scatter of sizes, to which ``share`` of the
-    variance is due; ``center`` are the lines of the median sphere.
+    variance is due; ``center`` are the lines of the median sphere, and ``weights`` (2, 4) is room.
     """
     size, steps = sized.shape[2], SIZES - 1.0
     last = min(int(high * scale) + SIZES, size)
@@ -580,16 +580,13 @@ def _mixed(sized, reach, scale, x, log_d, rate, share, center, low, high, lines)
     for m in range(min(max(int(low * scale) - 1, 0), size - SIZES), last):
         off = (m / scale) ** 2 - x
         t = min(max(0.5 * steps * ((log_d + rate * off) / reach + 1.0), 0.0), steps)
-        a, b, c = t - 1.0, t - 2.0, t - 3.0
-        first, second = -a * b * c / 6.0, t * b * c / 2.0
-        third, fourth = -t * a * c / 2.0, t * a * b / 6.0
-        for k in range(PARAMETERS + 1):
-            e = first * sized[0, k, m] + second * sized[1, k, m]
-            lines[k, m] = e + third * sized[2, k, m] + fourth * sized[3, k, m]
-        by_log_d = -(a * b + a * c + b * c) * sized[0, PARAMETERS, m] / 6.0
-        by_log_d += (t * b + t * c + b * c) * sized[1, PARAMETERS, m] / 2.0
-        by_log_d -= (t * a + t * c + a * c) * sized[2, PARAMETERS, m] / 2.0
-        by_log_d += (t * a + t * b + a * b) * sized[3, PARAMETERS, m] / 6.0
+        _cubic(t, SIZES, weights[0], weights[1])
+        by_log_d = 0.0
+        lines[: PARAMETERS + 1, m] = 0.0
+        for n in range(SIZES):
+            by_log_d += weights[1, n] * sized[n, PARAMETERS, m]
+            for k in range(PARAMETERS + 1):
+                lines[k, m] += weights[0, n] * sized[n, k, m]
         by_log_d *= 0.5 * steps / reach
         slope = by_log_d if m <= middle else slope
         by_log_d *= rate
@@ -669,9 +666,9 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
         _lines(grid, z[:PARAMETERS], 0, size + BY_SIZE, weights, lines[: PARAMETERS + 1])
     else:
         lines[PARAMETERS, 0] = grid[0, 0, 0, 0]
-    reach = 0.0
+    reach, size_factor = 0.0, math.exp(z[LN_SIZE])
     for i in range(count):
-        relative = data[SIZE_SD, i] * math.exp(z[LN_SIZE])
+        relative = data[SIZE_SD, i] * size_factor
         reach = max(reach, abs(data[LN_D, i]) + REACH * relative)
     # In steps, for the slopes are those at given diameters.
     reach = STEP_OF_SIZE * math.ceil(reach / STEP_OF_SIZE)
@@ -693,7 +690,7 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
     total = 0.0
     gradient[:], information[:], expected[:] = 0.0, 0.0, 0.0
     for i in range(count):
-        relative = data[SIZE_SD, i] * math.exp(z[LN_SIZE])
+        relative = data[SIZE_SD, i] * size_factor
         by_size = exponent * relative
         s = math.sqrt(data[SPEED_SD, i] ** 2 + by_size**2 + LEAST_SCATTER**2)
         x = data[LN_V, i] - log_v_c + exponent * data[LN_D, i]
@@ -715,8 +712,9 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
         high = math.sqrt(x + math.sqrt(min(x, 0.0) ** 2 + (REACH * s) ** 2))
         if not similar:
             rate = relative * by_size / s**2
+            log_d, room = data[LN_D, i], weights[0]
             slope = _mixed(
-                sized, reach, scale, x, data[LN_D, i], rate, of_size, lines, low, high, sphere
+                sized, reach, scale, x, log_d, rate, of_size, lines, low, high, room, sphere
             )
             rest = (slope * relative) ** 2 * (1.0 - of_size)
             of_e = sigma**2 / (sigma**2 + rest)

@@ -56,6 +56,17 @@ class Params:
     loss: Loss
     drawn_case: CaseName
 
+    @property
+    def sampling(self) -> Sampling:
+        """Samples of all mechanisms."""
+        return Sampling(
+            seed=self.seed,
+            impacts=self.impacts,
+            events=self.events,
+            angle_error_deg=self.instrument.angle_error_deg,
+            dispenser=self.dispenser,
+        )
+
 
 def run(params: Params, inputs: Tables) -> Tables:
     """Quantify every mechanism.
@@ -66,13 +77,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``loss_slopes``, ``loss_resolution``. ``causes``, ``causes_slope``, ``causes_shallow``: data of
     the figure.
     """
-    sampling = Sampling(
-        seed=params.seed,
-        impacts=params.impacts,
-        events=params.events,
-        angle_error_deg=params.instrument.angle_error_deg,
-        dispenser=params.dispenser,
-    )
+    sampling = params.sampling
     curves = shallow_curves(params.shallow, sampling, inputs)
     tables = {
         **spin_tables(params.spin, sampling, inputs),
