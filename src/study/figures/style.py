@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -25,7 +26,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from microimpact.core.files import write_file
-from study.figures.registry import FigureSpec, PanelSpec, SeriesSpec
+from study.declared.documents import filled
+from study.figures.declaration import ANGLE, NO_SERIES, PILE_UP, Series
+from study.figures.declaration import Figure as Words
 from study.tables import POINTS, Tables, points_parts
 
 # Kinds of lines by their names in the registry: as many as a panel has curves.
@@ -51,6 +54,9 @@ SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
     "right": ((5.0, 0.0), "left", "center"),
 }
 
+# Part of an axis in which no word fits.
+NARROW = 0.04
+ANGLES = (0, 15, 30, 45, 60, 75, 90)
 # Up to here a logarithmic axis of either sign is linear.
 LINEAR = 0.1
 
@@ -99,115 +105,289 @@ def context() -> Iterator[None]:
         yield
 
 
-def _sheet(spec: FigureSpec) -> Figure:
+def _empty(words: Words, height_mm: float | None = None) -> Figure:
     """Return an empty figure of the size declared."""
-    return Figure(figsize=(WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH))
-
-
-def new_figure(spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
-    """Return an empty figure with its panels, by name, axes set up."""
-    figure = _sheet(spec)
-    columns = spec.columns or len(spec.panels)
-    rows = -(-len(spec.panels) // columns)
-    places = [figure.add_subplot(rows, columns, i + 1) for i in range(len(spec.panels))]
-    axes = dict(zip(spec.panels, places, strict=True))
-    for letter, (name, panel) in zip("abcdefgh", spec.panels.items(), strict=False):
-        prefix = f"({letter}) " if len(spec.panels) > 1 else ""
-        _set_axes(axes[name], panel, prefix)
-    return figure, axes
+    height = height_mm or words.height_mm
+    return Figure(figsize=(WIDTH_MM[words.width] / MM_PER_INCH, height / MM_PER_INCH))
 
 
 @context()
-def without_data(spec: FigureSpec, words: str) -> Figure:
+def without_data(words: Words, reason: str) -> Figure:
     """Return the figure in place of one whose data could not be computed: the reason in words."""
-    figure = _sheet(spec)
+    figure = _empty(words)
     figure.set_layout_engine("none")
-    letters = int(WIDTH_MM[spec.width] / KEY_LETTER_MM)
-    figure.text(0.5, 0.5, textwrap.fill(words, letters), ha="center", va="center")
+    letters = int(WIDTH_MM[words.width] / KEY_LETTER_MM)
+    figure.text(0.5, 0.5, textwrap.fill(reason, letters), ha="center", va="center")
     return figure
 
 
-def _set_axes(ax: Axes, panel: PanelSpec, prefix: str) -> None:
-    near_zero = {"linthresh": LINEAR} if panel.y_scale == "symlog" else {}
-    ax.set_yscale(panel.y_scale, **near_zero)
-    ax.set(xscale=panel.x_scale, xlim=panel.x_range, ylim=panel.y_range)
-    ax.set(xlabel=panel.x_label, ylabel=panel.y_label)
-    if prefix or panel.title:
-        ax.set_title(f"{prefix}{panel.title}")
-    for axis, ticks, steps in (
-        (ax.xaxis, panel.x_ticks, panel.x_steps),
-        (ax.yaxis, panel.y_ticks, panel.y_steps),
-    ):
-        if ticks:
-            axis.set_ticks(ticks)
-        elif steps:
-            axis.set_major_locator(LogLocator(subs=steps))
-        if axis.get_scale() == "symlog" or (axis.get_scale() == "log" and (ticks or steps)):
-            plain_numbers(axis)
-    if panel.level is not None:
-        ax.axhline(panel.level, color="0.6", linewidth=0.6, zorder=1)
-
-
-def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> list[Line2D]:
-    """Draw all series of one panel, each in the manner of its evidence, with a legend.
-
-    Entries of the series of points, for the key below the figure.
+class Sheet:
+    """A figure that is being drawn: its panels, its tables, its words filled in.
 
     Parameters
     ----------
-    ax
-        Axes of the panel.
-    table
-        Tidy figure data, of any number of panels.
-    panel
-        Words and styles; a series it does not name is drawn under its own name.
-    name
-        Which panel of the data to draw; points of the user's are laid over all else.
+    words
+        What is declared of the figure.
+    tables
+        Figure data by name, with the user's points as further rows, if there are any.
+    values, pairs
+        Parameters of the analysis and materials of its cases, for the words, see
+        `documents.filled`.
     """
-    x, y = table.columns[3], table.columns[4]
-    rows = table[table["panel"] == (panel.shows or name)]
-    is_point = rows["evidence"].isin(POINTS)
-    all_points = table.loc[table["evidence"].isin(POINTS), "series"].unique()
-    entries = overlay(ax, rows[is_point], panel, list(all_points))
-    rows = rows[~is_point]
-    calibrated = " (calibrated)" if {"computed", "calibrated"} <= set(table["evidence"]) else ""
-    if rows.empty:
-        raise ValueError(f"figure data: no rows for panel {name!r}")
-    _grow(ax, rows, panel)
-    present = list(rows["series"].unique())
-    names = [s for s in panel.series if s in present]
-    names += [s for s in present if s not in panel.series]
-    is_simulated = rows["evidence"] == "virtual experiment"
-    rows = pd.concat([rows[~is_simulated], _apart(rows[is_simulated], names, panel.apart)])
-    for number, series in enumerate(names):
-        spec = panel.series.get(series, SeriesSpec(label=series))
-        colour = f"C{number if spec.colour is None else spec.colour}"
-        curve = rows[rows["series"] == series]
-        is_fitted = "calibrated" in set(curve["evidence"]) and not spec.band
-        words = spec.label + (calibrated if is_fitted else "")
-        label: str | None = words if spec.beside is None else f"_{words}"
-        for evidence, part in curve.groupby("evidence", sort=False):
-            if panel.joined and evidence == "virtual experiment":
-                line = "dashed" if spec.open else "solid"
-                ax.plot(part[x], part[y], color=colour, linestyle=line, **GUIDE)
-            _draw_series(ax, part, (x, y), str(evidence), spec, colour, label)
-            label = None  # one entry per series; the key below the figure names the evidence
-        if spec.beside is not None:
-            _name_beside(ax, curve, spec, words, colour)
-    if panel.fixed:
-        _write_above(ax, rows[rows["evidence"] == "virtual experiment"])
-    if panel.legend_place != "above":
+
+    def __init__(
+        self,
+        words: Words,
+        tables: Tables,
+        values: Mapping[str, Any],
+        pairs: Mapping[str, tuple[str, str]],
+    ) -> None:
+        self.declared = words
+        self.tables = tables
+        self._values, self._pairs = values, pairs
+        self._points: list[Line2D] = []  # Entries of the user's points for the key
+        self._drawn: list[Axes] = []
+        self._omitted: list[str] = []
+        self.figure = _empty(words)
+
+    def fill(self, text: str) -> str:
+        """Return a text with parameters of the analysis in it, the rate exponent as a symbol."""
+        words: str = filled(text, self._values, self.declared.name, self._pairs)
+        return re.sub(r"(?<!\$)\bn = ", "$n$ = ", words)
+
+    def panels(self, titles: Mapping[str, str] | None = None, **look: Any) -> list[Axes]:
+        """Add the panels in rows of `columns`, with their titles, and return their axes.
+
+        Parameters
+        ----------
+        titles
+            By panel, if they are others than those declared; the height of the figure is that of
+            two rows then.
+        look
+            Properties that all of them have, as for `Axes.set`.
+        """
+        if titles is None:
+            titles = self.declared.panels
+        columns = self.declared.columns or len(titles)
+        rows = -(-len(titles) // columns)
+        if titles is not self.declared.panels:
+            self.figure = _empty(self.declared, self.declared.height_mm * rows / 2)
+        for number, (name, title) in enumerate(titles.items()):
+            ax = self.figure.add_subplot(rows, columns, number + 1, label=name)
+            ax.set(**look)
+            prefix = f"({'abcdefgh'[number]}) " if len(titles) > 1 else ""
+            if prefix or title:
+                ax.set_title(prefix + self.fill(title))
+        return self.figure.axes
+
+    def rows(self, panel: str) -> pd.DataFrame:
+        """Return the tables that have a panel as one; all tables, if none has it."""
+        parts = [t for t in self.tables.values() if panel in t["panel"].unique()]
+        return pd.concat(parts or list(self.tables.values()), ignore_index=True)
+
+    def draw(
+        self,
+        ax: Axes,
+        series: Mapping[str, Series] = NO_SERIES,
+        *,
+        shows: str = "",
+        fixed: bool = False,
+        joined: bool = False,
+        apart: float = 1.0,
+        omit: str | None = None,
+    ) -> None:
+        """Draw all series of one panel, each in the manner of its evidence.
+
+        Axes grow where data lie outside.
+
+        Parameters
+        ----------
+        ax
+            Axes of the panel, their scales and ends set.
+        series
+            Words and looks by series, in the order of the legend; one that is not among them is
+            drawn under its own name.
+        shows
+            Panel of the data, if it is not that of the axes' name, as for an enlarged view.
+        fixed
+            The upright axis does not grow: simulated values above it are written at its edge.
+        joined
+            A thin line guides the eye along simulated marks.
+        apart
+            Marks of one abscissa stand apart by this factor.
+        omit
+            A series that the figure draws by itself; so it does those whose names continue this
+            one after a blank.
+        """
+        series = {name: replace(each, label=self.fill(each.label)) for name, each in series.items()}
+        panel = shows or str(ax.get_label())
+        table = self.rows(panel)
+        if omit:
+            self._omitted.append(omit)
+            table = table[~_is(omit, table)]
+        x, y = table.columns[3], table.columns[4]
+        rows = table[table["panel"] == panel]
+        is_point = rows["evidence"].isin(POINTS)
+        all_points = table.loc[table["evidence"].isin(POINTS), "series"].unique()
+        enlarged = fixed and bool(shows)
+        self.overlay(ax, rows[is_point], series, list(all_points), enlarged=enlarged)
+        rows = rows[~is_point]
+        calibrated = " (calibrated)" if {"computed", "calibrated"} <= set(table["evidence"]) else ""
+        if rows.empty:
+            raise ValueError(f"figure data: no rows for panel {panel!r}")
+        _grow(ax, rows, upright=not fixed, along=not enlarged)
+        present = list(rows["series"].unique())
+        names = [s for s in series if s in present]
+        names += [s for s in present if s not in series]
+        is_simulated = rows["evidence"] == "virtual experiment"
+        rows = pd.concat([rows[~is_simulated], _apart(rows[is_simulated], names, apart)])
+        for number, name in enumerate(names):
+            spec = series.get(name, Series(self.fill(name)))
+            colour = f"C{number if spec.colour is None else spec.colour}"
+            curve = rows[rows["series"] == name]
+            is_fitted = "calibrated" in set(curve["evidence"]) and not spec.band
+            words = spec.label + (calibrated if is_fitted else "")
+            label: str | None = words if spec.beside is None else f"_{words}"
+            for evidence, part in curve.groupby("evidence", sort=False):
+                if joined and evidence == "virtual experiment":
+                    line = "dashed" if spec.open else "solid"
+                    ax.plot(part[x], part[y], color=colour, linestyle=line, **GUIDE)
+                _draw_series(ax, part, (x, y), str(evidence), spec, colour, label)
+                label = None  # one entry per series; the key below the figure names the evidence
+            if spec.beside is not None:
+                _name_beside(ax, curve, spec, words, colour)
+        if fixed:
+            _write_above(ax, rows[rows["evidence"] == "virtual experiment"])
+        self._drawn.append(ax)
+
+    def overlay(
+        self,
+        ax: Axes,
+        points: pd.DataFrame,
+        series: Mapping[str, Series],
+        names: Sequence[str],
+        *,
+        enlarged: bool = False,
+    ) -> None:
+        """Draw the user's points of one panel, above all else; the axes grow to show them.
+
+        Parameters
+        ----------
+        ax
+            Axes of the panel, their scales as they will be.
+        points
+            Figure data of digitised or measured series alone; may be empty.
+        series
+            Those of the same name, or beginning with it and a comma, give points their colour.
+        names
+            All series of points of the figure, for their marks.
+        enlarged
+            Whether the axes stay as they are: an enlarged view.
+        """
+        if points.empty:
+            return
+        x, y = points.columns[3], points.columns[4]
+        if enlarged:
+            points = points[points[x].between(*ax.get_xlim())]
+        else:
+            _grow(ax, points)
+        for name_in_data, rows in points.groupby("series", sort=False):
+            evidence, name = points_parts(str(name_in_data))
+            colour = _points_colour(name, series)
+            marks = POINT_MARKS[evidence]
+            order = names.index(str(name_in_data))  # the first lies on top
+            look = EVIDENCE[evidence] | {"marker": marks[order % len(marks)]}
+            look["zorder"] = 5 - 0.1 * order
+            _draw_series(ax, rows, (x, y), evidence, Series(name), colour, None, look)
+            label = str(name_in_data).replace("$", r"\$")  # as it was written
+            self._points.append(Line2D([], [], color=colour, label=label, **look))
+
+    def over_angle(self, *axes: Axes) -> None:
+        """Give panels the angle of incidence, from the surface, as abscissa."""
+        for ax in axes:
+            ax.set(xlim=(0.0, 90.0), xlabel=ANGLE, xticks=ANGLES)
+
+    def level(self, ax: Axes, height: float) -> None:
+        """Draw a thin line across a panel."""
+        ax.axhline(height, color="0.6", linewidth=0.6, zorder=1)
+
+    def ticks(self, axis: Axis, places: Sequence[float]) -> None:
+        """Put ticks at some places; on a logarithmic axis they bear plain numbers."""
+        axis.set_ticks(places)
+        if axis.get_scale() != "linear":
+            plain_numbers(axis)
+
+    def steps(self, axis: Axis, *multiples: float) -> None:
+        """Put plain numbers on a logarithmic axis at some multiples of powers of ten."""
+        axis.set_major_locator(LogLocator(subs=multiples))
+        plain_numbers(axis)
+
+    def near_zero(self, ax: Axes) -> None:
+        """Make the upright axis logarithmic on both sides of zero, and linear near it."""
+        ax.set_yscale("symlog", linthresh=LINEAR)
+        plain_numbers(ax.yaxis)
+
+    def legend(self, ax: Axes, loc: str, title: str = "") -> None:
+        """Name the lines and marks of one panel inside it."""
         named = _entries([ax])
-        ax.legend(named.values(), named.keys(), title=panel.legend, loc=panel.legend_place)
-    return entries
+        ax.legend(named.values(), named.keys(), title=self.fill(title), loc=loc)
+
+    def abscissae(self, ax: Axes, series: str) -> pd.Series[float]:
+        """Return the abscissae of one series of a panel."""
+        rows = self.rows(str(ax.get_label()))
+        rows = rows[(rows["panel"] == ax.get_label()) & (rows["series"] == series)]
+        return rows.iloc[:, 3]
+
+    def captured(self, ax: Axes, limit: float) -> None:
+        """Shade the part of a panel from zero to a limit in which the sphere does not rebound."""
+        if not limit > 0.0:
+            return
+        ax.axvspan(0.0, limit, color="0.93", linewidth=0, zorder=0)
+        low, high = ax.get_ylim()
+        if limit > NARROW * ax.get_xlim()[1]:
+            words: dict[str, Any] = {"rotation": 90, "ha": "center", "va": "center"}
+            ax.text(limit / 2, (low + high) / 2, "captured", **words)
+
+    def piled_up(self, ax: Axes) -> None:
+        """Shade the speeds at which the article saw particles pile up: the series `PILE_UP`."""
+        rows = self.rows(str(ax.get_label()))
+        speeds = rows.loc[_is(PILE_UP, rows)].iloc[:, 3]
+        if speeds.empty:
+            return
+        low, high = speeds.min(), speeds.max()
+        ax.axvspan(low, high, color="0.9", linewidth=0, zorder=0)
+        look: dict[str, Any] = {"fontsize": "small", "ha": "center", "va": "bottom"}
+        across = ax.get_xaxis_transform()
+        ax.text((low + high) / 2, 1.01, "piles up (article)", transform=across, **look)
+
+    def keys(self) -> None:
+        """Name lines and marks above all panels that have no legend; the evidence below."""
+        if above := [ax for ax in self._drawn if ax.get_legend() is None]:
+            legend_above(self.figure, above)
+        self.evidence_key()
+
+    def evidence_key(self, entries: Iterable[Line2D] = (), **look: Any) -> None:
+        """Name the evidence of marks and lines below the figure, then further entries."""
+        table = pd.concat(self.tables.values(), ignore_index=True)
+        for series in self._omitted:
+            table = table[~_is(series, table)]
+        entries = [*self._points, *entries]
+        labels = {name: self.fill(text) for name, text in self.declared.evidence_labels.items()}
+        evidence_key(self.figure, table["evidence"], entries, labels=labels, **look)
 
 
-def _grow(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
+def _is(series: str, table: pd.DataFrame) -> pd.Series[bool]:
+    """Return which rows are of a series, or of those whose names continue it after a blank."""
+    names = table["series"].astype(str)
+    return (names == series) | names.str.startswith(f"{series} ")
+
+
+def _grow(ax: Axes, rows: pd.DataFrame, *, upright: bool = True, along: bool = True) -> None:
     """Move the ends of the axes out where values and bars, but not bands, lie outside."""
     x, y = rows.columns[3], rows.columns[4]
-    if not (panel.fixed and panel.shows):  # an enlarged view stays one
+    if along:
         ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float), log=ax.get_xscale() == "log"))
-    if not panel.fixed:
+    if upright:
         is_mark = rows["evidence"].map(lambda evidence: EVIDENCE[evidence]["linestyle"] == "none")
         bars = rows.loc[is_mark, ["y_low", "y_high"]].to_numpy(float)
         heights = np.append(rows[y].to_numpy(float), bars)
@@ -223,7 +403,7 @@ def _apart(rows: pd.DataFrame, names: Sequence[str], factor: float) -> pd.DataFr
     return rows.assign(**{x: moved}).sort_values(x, kind="stable")
 
 
-def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, words: str, colour: str) -> None:
+def _name_beside(ax: Axes, rows: pd.DataFrame, spec: Series, words: str, colour: str) -> None:
     """Write the name of a curve beside it, at the declared abscissa or the end next to it."""
     x, y = rows.iloc[:, 3:5].dropna().sort_values(rows.columns[3]).to_numpy(float).T
     at = float(np.clip(spec.beside or 0.0, x[0], x[-1]))
@@ -233,44 +413,8 @@ def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, words: str, col
     ax.annotate(words, anchor, shift, textcoords="offset points", **look)
 
 
-def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[str]) -> list[Line2D]:
-    """Draw the user's points of one panel, above all else; the axes grow to show them.
-
-    Entries for the key, one per series: its name as it was written, never as mathematics.
-
-    Parameters
-    ----------
-    ax
-        Axes of the panel, their scales as they will be.
-    points
-        Figure data of digitised or measured series alone; may be empty.
-    panel
-        Series of the same name, or beginning with it and a comma, give a series its colour.
-    names
-        All series of points of the figure, for their marks.
-    """
-    if points.empty:
-        return []
-    x, y = points.columns[3], points.columns[4]
-    if panel.fixed and panel.shows:  # an enlarged view stays one
-        points = points[points[x].between(*ax.get_xlim())]
-    else:
-        _grow(ax, points, replace(panel, fixed=False))
-    entries = []
-    for series, rows in points.groupby("series", sort=False):
-        evidence, name = points_parts(str(series))
-        colour = _points_colour(name, panel)
-        marks = POINT_MARKS[evidence]
-        order = names.index(str(series))  # the first lies on top
-        look = EVIDENCE[evidence] | {"marker": marks[order % len(marks)], "zorder": 5 - 0.1 * order}
-        _draw_series(ax, rows, (x, y), evidence, SeriesSpec(label=name), colour, None, look)
-        label = str(series).replace("$", r"\$")
-        entries.append(Line2D([], [], color=colour, label=label, **look))
-    return entries
-
-
-def _points_colour(name: str, panel: PanelSpec) -> str:
-    for index, (series, spec) in enumerate(panel.series.items()):
+def _points_colour(name: str, looks: Mapping[str, Series]) -> str:
+    for index, (series, spec) in enumerate(looks.items()):
         if series == name or series.startswith(f"{name}, "):
             return f"C{index if spec.colour is None else spec.colour}"
     return "black"
@@ -297,7 +441,7 @@ def _draw_series(
     rows: pd.DataFrame,
     columns: tuple[str, str],
     evidence: str,
-    spec: SeriesSpec,
+    spec: Series,
     colour: str,
     label: str | None,
     mark: Mapping[str, Any] | None = None,
@@ -338,7 +482,7 @@ def _draw_band(
     ax: Axes,
     x: NDArray[np.float64],
     bounds: NDArray[np.float64],
-    spec: SeriesSpec,
+    spec: Series,
     colour: str,
     label: str | None,
 ) -> None:
@@ -396,24 +540,6 @@ def evidence_key(
     handles += {(str(e.get_label()), str(e.get_color())): e for e in entries}.values()
     columns = _columns(figure, [str(handle.get_label()) for handle in handles])
     figure.legend(handles=handles, loc=loc, ncols=columns)
-
-
-def line_figure(tables: Tables, spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
-    """Draw every panel of a figure from the tables that have it, legends and key of evidence.
-
-    The figure and its axes by panel, for what a figure adds of its own.
-    """
-    figure, axes = new_figure(spec)
-    entries: list[Line2D] = []
-    for name, panel in spec.panels.items():
-        parts = [t for t in tables.values() if (panel.shows or name) in t["panel"].unique()]
-        table = pd.concat(parts or list(tables.values()), ignore_index=True)
-        entries += draw_panel(axes[name], table, panel, name)
-    if above := [axes[name] for name, p in spec.panels.items() if p.legend_place == "above"]:
-        legend_above(figure, above)
-    evidence = pd.concat([table["evidence"] for table in tables.values()])
-    evidence_key(figure, evidence, entries, labels=spec.evidence_labels)
-    return figure, axes
 
 
 def _tick(value: float) -> str:

@@ -1,0 +1,66 @@
+"""Figures of calibration."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, WORK_OF_ADHESION, Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+
+
+
+@Figure(
+    "ridge",
+    "What two numbers leave open for [[two_stage.members.pair]]",
+    """
+        Contacts of [[two_stage.members.pair]] that meet e = [[two_stage.restitution:.2f]]
+        at [[two_stage.speed_m_per_s:.2f]] m/s and a capture velocity of
+        [[two_stage.capture_velocity_m_per_s:.2f]] m/s. (a) Largest deviation of e from its
+        plateau against the work of adhesion; below the criterion e counts as constant. (b)
+        The two members used in the figures.
+    """,
+    {"ridge": "deviation from the plateau", "curves": "the two members used in the figures"},
+    data=("ridge", "ridge_curves"),
+    equations="25",
+    finding="""
+        Two printed numbers do not fix a contact; for every n there is a range of works of
+        adhesion that meets both.
+    """,
+    method="""
+        n is the rate exponent of the adhesion damping, whose coefficient falls with the
+        impact speed as v^-n. The plateau is above [[two_stage.flat_from_m_per_s:.2f]] m/s.
+        Curves begin where a solution exists.
+    """,
+    contact=TWO_STAGES,
+    tables={
+        "calibration": "Parameters of every calibrated contact, its targets and how well it meets them.",
+        "calibration_family": "All contacts that meet both printed numbers, over work of adhesion and rate exponent.",
+        "molybdenum_capture": "Capture velocities consistent with both printed force ratios, by diameter.",
+    },
+    height_mm=78.0,
+)
+def draw_ridge(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    ridge, curves = sheet.panels()
+    ridge.set(xscale="log", xlim=(0.04, 6.0), ylim=(0.0, 0.15), xlabel=WORK_OF_ADHESION, ylabel=sheet.fill("Largest $|e - [[two_stage.restitution:.2f]]|$"))
+    curves.set(xlim=(0.0, 3.2), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
+    sheet.steps(ridge.xaxis, 1.0)
+    looks_ridge = {
+        "n = 0": Series("$n$ = 0", 0),
+        "n = 0.5": Series("$n$ = 0.5", 2, line="dashdot"),
+        "n = 1": Series("$n$ = 1", 1, line="dashed"),
+        "criterion": Series("criterion", 6, line="dotted"),
+    }
+    sheet.draw(ridge, looks_ridge)
+    sheet.legend(ridge, "upper right")
+    looks_curves = {
+        "steel-silicon, n = 0": Series("n = 0", 0),
+        "steel-silicon, n = 1": Series("n = 1", 1, line="dashed"),
+        "targets": Series("targets ($e$ printed for oblique impact)", 6),
+    }
+    sheet.draw(curves, looks_curves)
+    sheet.legend(curves, "lower right")
+    sheet.keys()

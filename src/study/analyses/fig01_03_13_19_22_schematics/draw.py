@@ -1,0 +1,271 @@
+"""Figures of fig01_03_13_19_22_schematics."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+
+
+
+@Figure(
+    "fig01",
+    "Set-up of the oblique impacts",
+    """
+        The particle trajectory imaging system. (a) Seen along the camera's axis: spheres
+        fall through a light sheet that a disk with [[set_ups.disk_slots]] slots interrupts
+        and strike a tilted target. Directions and dashes of both tracks are to scale, by
+        the rigid body model at [[set_ups.target_angle_deg:.0f]]°. (b) Seen from above.
+        Positions of the parts are schematic.
+    """,
+    {"side": "seen along the axis of the camera", "top": "seen from above"},
+    data=("fig01",),
+    equations="6, 7",
+    article="""
+        A schematic of the equipment for oblique impacts: laser, chopper, dispenser, tilted
+        target, camera.
+    """,
+    height_mm=128.0,
+    is_schematic=True,
+)
+def draw_fig01(sheet: Sheet) -> None:
+    """Draw it (was study.figures.schematics.set_ups.draw_fig01)."""
+    # panel side: x_range [0.0, 174.0], y_range [0.0, 76.0]
+    words = {
+        "laser": "argon-ion laser",
+        "collimator": "collimator",
+        "disk": "beam chopper:\nspinning disk with\n[[set_ups.disk_slots]] slots, front view",
+        "lens": "plano-convex\nlens",
+        "light sheet": "pulsed\nlight sheet",
+        "vacuum cell": "vacuum test cell,\n$10^{[[set_ups.log10_pressure_torr:.0f]]}$ Torr",
+        "dispenser": "particle dispenser\n(neutral charge)",
+        "rotor": "rotor",
+        "needle": "hypodermic needle",
+        "drop height": "[[set_ups.least_drop_height_m:g]] to\n[[set_ups.greatest_drop_height_m:.1f]] m",
+        "incident track": "incident",
+        "rebound track": "rebound",
+        "target": "target surface,\ngrounded",
+        "angle": r"$\alpha$",
+    }
+    # panel top: x_range [0.0, 174.0], y_range [0.0, 42.0]
+    words = {
+        "camera": "CCD camera",
+        "recorder": "video recorder",
+        "porthole": "porthole",
+        "light sheet": "light sheet",
+        "sphere": "sphere",
+        "angle": "≈ [[set_ups.camera_angle_deg:.0f]]°",
+    }
+
+
+@Figure(
+    "fig02",
+    "Set-up of the normal impacts",
+    """
+        The phase Doppler particle analyser. (a) Seen from above: two pairs of beams, one
+        for each velocity component, cross in the probe volume above the target. The
+        receiver collects side scatter at [[set_ups.receiver_angle_deg:.0f]]°; the phases at
+        its [[set_ups.detectors]] detectors give the diameter. (b) The probe volume, which a
+        sphere crosses before and after its impact. Positions are schematic.
+    """,
+    {"top": "seen from above", "side": "probe volume, enlarged"},
+    data=("fig02",),
+    article="""
+        A schematic, seen from above, of the equipment for normal impacts with the phase
+        Doppler analyser.
+    """,
+    is_schematic=True,
+)
+def draw_fig02(sheet: Sheet) -> None:
+    """Draw it (was study.figures.schematics.set_ups.draw_fig02)."""
+    # panel top: x_range [0.0, 128.0], y_range [0.0, 72.0]
+    words = {
+        "laser": "argon-ion\nlaser, [[set_ups.shortest_wavelength_nm:.0f]]\nto [[set_ups.longest_wavelength_nm:.0f]] nm",
+        "beam splitter": "beam\nsplitter",
+        "frequency shifter": "frequency\nshifting",
+        "transmitting lens": "transmitting\nlens",
+        "horizontal pair, upper": "beam pair for the horizontal velocity",
+        "vertical pair": "beam pair for the vertical velocity (one above the other)",
+        "vacuum cell": "vacuum\ntest cell",
+        "probe volume": "probe\nvolume",
+        "target": "target\nsurface",
+        "receiving lens": "receiving lens",
+        "detectors": "receiver with\n[[set_ups.detectors]] detectors",
+        "data file": "data file",
+        "angle": "[[set_ups.receiver_angle_deg:.0f]]°",
+    }
+    # panel side: x_range [0.0, 46.0], y_range [0.0, 72.0]
+    words = {
+        "needle": "hypodermic\nneedle",
+        "incident": "incident\nsphere",
+        "rebound": "rebound",
+        "target": "target surface",
+        "probe height": "$h$ ≈\n[[set_ups.probe_height_mm:g]] mm",
+    }
+
+
+@Figure(
+    "fig03",
+    "Variables of a planar impact",
+    """
+        Velocities before (lower case) and after (capitals) the impact, axes n and t, and
+        the angle of incidence alpha from the surface. Arrows are to scale for the rigid
+        body model at [[rebound.speed_m_per_s:.2f]] m/s, alpha = [[rebound.angle_deg:.0f]]°,
+        e = [[rebound.restitution:.2f]], f = [[rebound.friction:.2f]] and r omega / v =
+        [[rebound.spin_ratio:.2f]]. Spins are arcs as long as the rim's path.
+    """,
+    {"impact": ""},
+    data=("fig03",),
+    equations="1, 2, 3, 6, 7, 8",
+    article="The velocities, spins and angles of a planar impact and the axes they refer to.",
+    method="""
+        Spin is positive in the sense of rolling along t; friction changes it. The measured
+        quantities are e = -V_n/v_n, mu = (V_t - v_t)/(V_n - v_n) and the loss of
+        translational energy.
+    """,
+    width="single",
+    height_mm=61.0,
+    is_schematic=True,
+)
+def draw_fig03(sheet: Sheet) -> None:
+    """Draw it (was study.figures.schematics.impacts.draw_fig03)."""
+    # panel impact: x_range [-1.3, 1.3], y_range [-0.3, 1.3628]
+    words = {
+        "incident velocity": "$v$",
+        "incident tangential": "$v_t$",
+        "incident normal": "$v_n$",
+        "incident spin": r"$r\omega$",
+        "rebound velocity": "$V$",
+        "rebound tangential": "$V_t$",
+        "rebound normal": "$V_n$",
+        "rebound spin": r"$r\Omega$",
+        "angle": r"$\alpha$",
+    }
+
+
+@Figure(
+    "fig13",
+    "Free body diagram of the rigid body model",
+    """
+        Momentum of the sphere before impact plus the impulses of the contact give its
+        momentum after impact, all divided by m and drawn to one scale, for the impact of
+        Fig. 3. Friction opposes the slip of the contact point C: its impulse is mu times
+        the normal one. The model leaves out the impulsive moment M.
+    """,
+    {"before": "before the impact", "impulse": "impulses during contact", "after": "after the impact"},
+    data=("fig13",),
+    equations="4, 6, 7, 8",
+    article="Impulses and velocities on a sphere in the rigid body model.",
+    height_mm=83.0,
+    is_schematic=True,
+)
+def draw_fig13(sheet: Sheet) -> None:
+    """Draw it (was study.figures.schematics.impacts.draw_fig13)."""
+    # panel before: x_range [-0.72, 1.22], y_range [-1.06, 1.5155]
+    words = {
+        "tangential": "$m v_t$",
+        "normal": "$m v_n$",
+        "spin": r"$I\omega$",
+    }
+    # panel impulse: x_range [-0.72, 1.22], y_range [-1.06, 1.5155]
+    words = {
+        "tangential": r"$P_t = \mu P_n$",
+        "normal": "$P_n$",
+        "moment": "$M$, neglected",
+        "radius": "$r$",
+        "contact point": "$C$",
+    }
+    # panel after: x_range [-0.72, 1.22], y_range [-1.06, 1.5155]
+    words = {
+        "tangential": "$m V_t$",
+        "normal": "$m V_n$",
+        "spin": r"$I\Omega$",
+        "scale": "m/s × $m$",
+    }
+
+
+@Figure(
+    "fig19",
+    "Stresses on the contact at its greatest compression",
+    """
+        A sphere of [[contact.diameter_um:.1f]] µm of [[contact.case.pair]] at the greatest
+        compression of a normal impact at [[contact.speed_m_per_s:.1f]] m/s. (a) Section to
+        scale; dashed, the undeformed sphere. (b) Stresses on the sphere: Hertz pressure
+        over the contact radius a pushes it away; the ring force f_0 per length of the edge,
+        on its own scale, pulls it on.
+    """,
+    {"section": "section", "stresses": "stresses on the sphere"},
+    data=("fig19", "fig19_pressure", "fig19_ring"),
+    equations="3.2 contact radius, 20, 22, 30",
+    article="""
+        A sketch of the stresses on the contact: the pressure of Hertz, and adhesion as a
+        tension on a ring around it.
+    """,
+    method="""
+        Contact [[contact.case]]. At this instant the normal velocity is zero, so the
+        damping forces are zero.
+    """,
+    height_mm=78.0,
+    is_schematic=True,
+)
+def draw_fig19(sheet: Sheet) -> None:
+    """Draw it (was study.figures.schematics.contact.draw_fig19)."""
+    # panel section: x_range [-1.346, 1.346], y_range [-0.345, 2.205]
+    words = {
+        "contact": "$a$",
+        "free shape": "$-n$",
+        "radius": "$r$",
+        "spin": r"$\theta$",
+    }
+    # panel stresses: x_range [-1.76, 1.19], y_range [-1.33, 0.838]
+    words = {
+        "pressure": "$p_0$",
+        "ring tension": "$f_0$",
+        "contact radius": "$a$",
+    }
+
+
+@Figure(
+    "fig22",
+    "Angles on a wavy surface",
+    """
+        A sphere strikes a wavy surface at the nominal angle alpha =
+        [[wavy_surface.angle_deg:.0f]]°, where the surface faces it at the slope phi.
+        Relative to the local axes t' and n' it strikes at alpha + phi, and the velocities
+        measured along t and n mix those along t' and n'. Sphere
+        ([[wavy_surface.diameter_um:.0f]] µm) and surface are to one scale.
+    """,
+    {"geometry": ""},
+    data=("fig22",),
+    equations="35, 36",
+    article="""
+        How the apparent angle of incidence and normal differ from the true ones on a
+        surface that is not flat.
+    """,
+    method="""
+        Wavelength [[wavy_surface.wavelength_um:.0f]] µm, amplitude
+        [[wavy_surface.amplitude_um:.0f]] µm. A slope that turns away has phi < 0.
+    """,
+    width="single",
+    height_mm=66.0,
+    is_schematic=True,
+)
+def draw_fig22(sheet: Sheet) -> None:
+    """Draw it (was study.figures.schematics.impacts.draw_fig22)."""
+    # panel geometry: x_range [-0.65, 0.56], y_range [-0.3, 0.544]
+    words = {
+        "incident velocity": "$v$",
+        "angle": r"$\alpha$",
+        "local angle": r"$\alpha + \phi$",
+        "slope": r"$\phi$",
+        "nominal tangent": "$t$",
+        "nominal normal": "$n$",
+        "local tangent": "$t$′",
+        "local normal": "$n$′",
+        "mean plane": "nominal surface",
+        "surface": "true surface",
+    }

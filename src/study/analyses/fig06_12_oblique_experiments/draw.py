@@ -1,0 +1,485 @@
+"""Figures of fig06_12_oblique_experiments."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import ENERGY_LOSS, IMPULSE_RATIO, RESTITUTION, TWO_STAGES, Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+
+
+
+@Figure(
+    "fig06",
+    "Front and back of [[series.silicon front.case.surface]] at [[series.silicon front.speed_m_per_s:.2f]] m/s, as a PTIS would measure it",
+    """
+        Restitution, impulse ratio and loss of translational energy against the angle of
+        incidence at [[series.silicon front.speed_m_per_s:.2f]] m/s, for the front (filled)
+        and the back (open) of [[series.silicon back.case.surface]]. Marks: virtual
+        experiments with 95 % intervals. Coloured curves: the same contacts on smooth
+        surfaces; dashed: all rebounds, seen or not. Black: Coulomb friction.
+    """,
+    {"restitution": "", "impulse_ratio": "", "energy_loss": ""},
+    data=("fig06",),
+    equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
+    article="""
+        Measured restitution, impulse ratio and energy loss against the angle, steel SST76
+        on the smooth face and the rough back of silicon at 1.66 m/s, with a curve of
+        Coulomb friction without initial spin.
+    """,
+    finding="""
+        A rough back face raises the measured restitution at shallow angles, although no
+        contact has become more elastic.
+    """,
+    method="""
+        Particles are dropped on the tilted target, imaged by a virtual light sheet and
+        camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
+        [[stop.events]] events. Smooth curves are of the mean size, without spread or
+        instrument; two contacts that are the same give one curve. Black, dashed: the rigid
+        body model with Coulomb friction of the same coefficient. Off-scale means are given
+        at the top. There is no mark at 90°, where both tracks coincide, and none where
+        fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
+        smooth curve, the agreement is by construction.
+    """,
+    as_shipped="""
+        The front of the wafer is polished, the back lapped, with assumed slopes of
+        [[series.silicon back.surface_slope:.2f]] rad per axis; contacts [[series.silicon
+        front.case]] and [[series.silicon back.case]]. Diamonds: values printed in the
+        article.
+    """,
+    contact=TWO_STAGES,
+    tables={
+        "oblique_experiments": "Every experiment of Figs. 6 to 12: means, intervals, and fates of the particles.",
+    },
+    evidence_labels={
+        "computed": "computed (solid, dotted: mean size, smooth surfaces)",
+    },
+)
+def draw_fig06(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    restitution, impulse_ratio, energy_loss = sheet.panels()
+    sheet.over_angle(restitution, impulse_ratio, energy_loss)
+    restitution.set(ylim=(0.0, 1.6), ylabel=RESTITUTION)
+    impulse_ratio.set(ylim=(-0.1, 0.4), ylabel=IMPULSE_RATIO)
+    energy_loss.set(ylim=(0.0, 0.8), ylabel=ENERGY_LOSS)
+    looks_restitution = {
+        "silicon front": Series("front of [[series.silicon front.case.surface]]", 0),
+        "silicon back": Series("back of [[series.silicon back.case.surface]]", 1, open=True),
+        "silicon front, smooth": Series("front of [[series.silicon front.case.surface]]", 0),
+        "silicon back, smooth": Series("back of [[series.silicon back.case.surface]]", 1, line="dotted"),
+        "silicon back, all rebounds": Series("back, all rebounds", 1, line="dashed"),
+        "printed, exceeded below": Series("back", 1, side="right", beside=20),
+        "printed, smooth": Series("_p", 0),
+        "printed, smooth, shallow": Series("_p", 0),
+    }
+    sheet.draw(restitution, looks_restitution, fixed=True)
+    looks_impulse_ratio = {
+        "silicon front": Series("front of [[series.silicon front.case.surface]]", 0),
+        "silicon back": Series("back of [[series.silicon back.case.surface]]", 1, open=True),
+        "silicon front, smooth": Series("front of [[series.silicon front.case.surface]]", 0),
+        "silicon back, smooth": Series("back of [[series.silicon back.case.surface]]", 1, line="dotted"),
+        "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
+        "printed plateau": Series("_printed", 6),
+    }
+    sheet.draw(impulse_ratio, looks_impulse_ratio, fixed=True)
+    looks_energy_loss = {
+        "silicon front": Series("front of [[series.silicon front.case.surface]]", 0),
+        "silicon back": Series("back of [[series.silicon back.case.surface]]", 1, open=True),
+        "silicon front, smooth": Series("front of [[series.silicon front.case.surface]]", 0),
+        "silicon back, smooth": Series("back of [[series.silicon back.case.surface]]", 1, line="dotted"),
+    }
+    sheet.draw(energy_loss, looks_energy_loss, fixed=True)
+    sheet.keys()
+
+
+@Figure(
+    "fig07",
+    "Front and back of [[series.mirror front.case.surface]] at [[series.mirror front.speed_m_per_s:.2f]] m/s, as a PTIS would measure it",
+    """
+        Restitution, impulse ratio and loss of translational energy against the angle of
+        incidence at [[series.mirror front.speed_m_per_s:.2f]] m/s, for the front (filled)
+        and the back (open) of [[series.mirror back.case.surface]]. Marks: virtual
+        experiments with 95 % intervals. Coloured curves: the same contacts on smooth
+        surfaces; dashed: all rebounds, seen or not. Black: Coulomb friction.
+    """,
+    {"restitution": "", "impulse_ratio": "", "energy_loss": ""},
+    data=("fig07",),
+    equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
+    article="""
+        The same three quantities for steel SST76 on the front and the rough back of a
+        mirror at 1.66 m/s.
+    """,
+    finding="""
+        Only the roughness of the back, an assumed one, separates the two faces of the
+        mirror.
+    """,
+    method="""
+        Particles are dropped on the tilted target, imaged by a virtual light sheet and
+        camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
+        [[stop.events]] events. Smooth curves are of the mean size, without spread or
+        instrument; two contacts that are the same give one curve. Black, dashed: the rigid
+        body model with Coulomb friction of the same coefficient. Off-scale means are given
+        at the top. There is no mark at 90°, where both tracks coincide, and none where
+        fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
+        smooth curve, the agreement is by construction.
+    """,
+    as_shipped="""
+        The slopes of the back, [[series.mirror back.surface_slope:.2f]] rad per axis, are
+        assumed; contacts [[series.mirror front.case]] and [[series.mirror back.case]].
+        Diamonds: ends of the range printed for the mirror; of the back the article prints
+        only that e is lower.
+    """,
+    evidence_labels={
+        "computed": "computed (solid, dotted: mean size, smooth surfaces)",
+    },
+)
+def draw_fig07(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    restitution, impulse_ratio, energy_loss = sheet.panels()
+    sheet.over_angle(restitution, impulse_ratio, energy_loss)
+    restitution.set(ylim=(0.0, 1.6), ylabel=RESTITUTION)
+    impulse_ratio.set(ylim=(-0.1, 0.4), ylabel=IMPULSE_RATIO)
+    energy_loss.set(ylim=(0.0, 0.8), ylabel=ENERGY_LOSS)
+    looks_restitution = {
+        "mirror front": Series("front of [[series.mirror front.case.surface]]", 0),
+        "mirror back": Series("back of [[series.mirror back.case.surface]]", 1, open=True),
+        "mirror front, smooth": Series("front of [[series.mirror front.case.surface]]", 0),
+        "mirror back, smooth": Series("back of [[series.mirror back.case.surface]]", 1, line="dotted"),
+        "mirror back, all rebounds": Series("back, all rebounds", 1, line="dashed"),
+        "printed, front": Series("front", 0, side="above", beside=65),
+    }
+    sheet.draw(restitution, looks_restitution, fixed=True)
+    looks_impulse_ratio = {
+        "mirror front": Series("front of [[series.mirror front.case.surface]]", 0),
+        "mirror back": Series("back of [[series.mirror back.case.surface]]", 1, open=True),
+        "mirror front, smooth": Series("front of [[series.mirror front.case.surface]]", 0),
+        "mirror back, smooth": Series("back of [[series.mirror back.case.surface]]", 1, line="dotted"),
+        "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
+    }
+    sheet.draw(impulse_ratio, looks_impulse_ratio, fixed=True)
+    looks_energy_loss = {
+        "mirror front": Series("front of [[series.mirror front.case.surface]]", 0),
+        "mirror back": Series("back of [[series.mirror back.case.surface]]", 1, open=True),
+        "mirror front, smooth": Series("front of [[series.mirror front.case.surface]]", 0),
+        "mirror back, smooth": Series("back of [[series.mirror back.case.surface]]", 1, line="dotted"),
+    }
+    sheet.draw(energy_loss, looks_energy_loss, fixed=True)
+    sheet.keys()
+
+
+@Figure(
+    "fig08",
+    "Restitution at several speeds, as a PTIS would measure it",
+    """
+        Restitution of [[series.1.60 m/s.case.pair]] against the angle of incidence, by
+        class of speed. Marks: virtual experiments, each sphere with a random initial spin.
+        Curves: the mean sphere without spin or instrument; "all rebounds" is the true mean,
+        seen or not. A mark can lie where the mean sphere is captured.
+    """,
+    {"restitution": ""},
+    data=("fig08",),
+    equations="1, 25, 27",
+    article="""
+        Measured restitution of steel SST65 on smooth silicon against the angle at three
+        speeds: 1.60, 1.05 and 0.45 m/s.
+    """,
+    finding="""
+        In the slowest class the camera misses most rebounds at steep angles, so the
+        measured restitution is slightly too high.
+    """,
+    method="""
+        As in Fig. 6; contact [[series.1.60 m/s.case]]. The initial spin r omega has a
+        standard deviation of [[series.0.45 m/s.spin.sd:g]] v per axis and mean zero
+        (assumed); one series has a mean spin of [[series.0.45 m/s, spun.spin.mean:g]] v
+        about the tilt axis. There is no mark where fewer than [[stop.fewest_events]] events
+        could be measured. Agreement of marks and curves of one contact is by construction.
+    """,
+    as_shipped="""
+        Each class of speed is named by the middle of the range that is printed for it. In
+        the slowest class, and at steep angles, the camera misses more than half of the
+        rebounds, mainly the slow ones; the measured means are therefore too high. Diamonds:
+        values printed in the article.
+    """,
+    contact=TWO_STAGES,
+    evidence_labels={
+        "computed": "computed: mean size, no spin",
+    },
+    height_mm=85.0,
+)
+def draw_fig08(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    (ax,) = sheet.panels(ylim=(0.0, 1.0), ylabel=RESTITUTION)
+    sheet.over_angle(ax)
+    looks_ax = {
+        "1.60 m/s": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
+        "1.05 m/s": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True),
+        "0.45 m/s": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"),
+        "0.45 m/s, spun": Series("class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$", 3, mark="triangle", open=True),
+        "1.60 m/s, smooth": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
+        "1.05 m/s, smooth": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"),
+        "0.45 m/s, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
+        "0.45 m/s, spun, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
+        "0.45 m/s, all rebounds": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]], all rebounds", 2, line="long dashed"),
+        "printed, 85 deg": Series("printed, fastest class", 0),
+        "printed, 25 deg": Series("_p", 0),
+    }
+    sheet.draw(ax, looks_ax, fixed=True)
+    sheet.keys()
+
+
+@Figure(
+    "fig09",
+    "Impulse ratio at several speeds, as a PTIS would measure it",
+    """
+        Impulse ratio of [[series.1.60 m/s.case.pair]] against the angle of incidence, by
+        class of speed. Marks: virtual experiments, each sphere with a random initial spin.
+        Curves: the mean sphere without spin or instrument. Dashed: the rigid body model
+        with Coulomb friction of the same coefficient, without spin.
+    """,
+    {"impulse_ratio": ""},
+    data=("fig09",),
+    equations="2, 12, 13, 25, 27",
+    article="""
+        Measured impulse ratio of the same impacts as in Fig. 8, with a curve of Coulomb
+        friction from the rigid body model.
+    """,
+    finding="""
+        A mean spin brings the impulse ratio to zero and below; adhesion at low speed raises
+        it.
+    """,
+    method="""
+        As in Fig. 6; contact [[series.1.60 m/s.case]]. The initial spin r omega has a
+        standard deviation of [[series.0.45 m/s.spin.sd:g]] v per axis and mean zero
+        (assumed); one series has a mean spin of [[series.0.45 m/s, spun.spin.mean:g]] v
+        about the tilt axis. There is no mark where fewer than [[stop.fewest_events]] events
+        could be measured. Agreement of marks and curves of one contact is by construction.
+    """,
+    as_shipped="""
+        Each class of speed is named by the middle of the range that is printed for it.
+        Diamonds: ends of the printed plateau.
+    """,
+    contact=TWO_STAGES,
+    evidence_labels={
+        "computed": "computed: mean size, no spin",
+    },
+    height_mm=85.0,
+)
+def draw_fig09(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    (ax,) = sheet.panels(ylim=(-0.2, 0.3), ylabel=IMPULSE_RATIO)
+    sheet.over_angle(ax)
+    looks_ax = {
+        "1.60 m/s": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
+        "1.05 m/s": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True),
+        "0.45 m/s": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"),
+        "0.45 m/s, spun": Series("class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$", 3, mark="triangle", open=True),
+        "1.60 m/s, smooth": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
+        "1.05 m/s, smooth": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"),
+        "0.45 m/s, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
+        "0.45 m/s, spun, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
+        "Coulomb friction": Series("Coulomb friction, no spin", 6, line="dashed"),
+        "printed plateau": Series("ends of the printed plateau", 6),
+    }
+    sheet.draw(ax, looks_ax, fixed=True)
+    sheet.keys()
+
+
+@Figure(
+    "fig10",
+    "Energy loss at several speeds, as a PTIS would measure it",
+    """
+        Loss of translational energy of [[series.1.60 m/s.case.pair]] against the angle of
+        incidence, by class of speed. Marks: virtual experiments, each sphere with a random
+        initial spin. Curves: the mean sphere without spin or instrument.
+    """,
+    {"energy_loss": ""},
+    data=("fig10",),
+    equations="3, 14, 25, 27",
+    article="Measured energy loss of the same impacts as in Fig. 8.",
+    finding="""
+        The slowest spheres lose a clearly larger share of their energy; a mean spin lowers
+        the loss.
+    """,
+    method="""
+        As in Fig. 6; contact [[series.1.60 m/s.case]]. The initial spin r omega has a
+        standard deviation of [[series.0.45 m/s.spin.sd:g]] v per axis and mean zero
+        (assumed); one series has a mean spin of [[series.0.45 m/s, spun.spin.mean:g]] v
+        about the tilt axis. There is no mark where fewer than [[stop.fewest_events]] events
+        could be measured. Agreement of marks and curves of one contact is by construction.
+    """,
+    contact=TWO_STAGES,
+    evidence_labels={
+        "computed": "computed: mean size, no spin",
+    },
+    height_mm=85.0,
+)
+def draw_fig10(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    (ax,) = sheet.panels(ylim=(0.0, 1.0), ylabel=ENERGY_LOSS)
+    sheet.over_angle(ax)
+    looks_ax = {
+        "1.60 m/s": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
+        "1.05 m/s": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True),
+        "0.45 m/s": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"),
+        "0.45 m/s, spun": Series("class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$", 3, mark="triangle", open=True),
+        "1.60 m/s, smooth": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
+        "1.05 m/s, smooth": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"),
+        "0.45 m/s, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
+        "0.45 m/s, spun, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
+    }
+    sheet.draw(ax, looks_ax, fixed=True)
+    sheet.keys()
+
+
+@Figure(
+    "fig11",
+    "Rebounds of [[series.spore on silicon.case.pair]] and [[series.silicon front.case.pair]], as a PTIS would measure them",
+    """
+        Restitution, impulse ratio and loss of translational energy against the angle of
+        incidence, for [[series.spore on silicon.case.pair]] (filled) and [[series.silicon
+        front.case.pair]] (open). Marks: virtual experiments with 95 % intervals. Coloured
+        curves: the same contacts, smooth; dashed: all rebounds of the rough particles, seen
+        or not. Black: Coulomb friction.
+    """,
+    {"restitution": "", "impulse_ratio": "", "energy_loss": ""},
+    data=("fig11",),
+    equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
+    article="""
+        Measured restitution, impulse ratio and energy loss of Lycopodium spores and of
+        steel SST76 on silicon, against the angle.
+    """,
+    finding="""
+        Rough spores give the scattered, high restitutions that smooth steel on the same
+        silicon does not.
+    """,
+    method="""
+        Particles are dropped on the tilted target, imaged by a virtual light sheet and
+        camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
+        [[stop.events]] events. Smooth curves are of the mean size, without spread or
+        instrument; two contacts that are the same give one curve. Black, dashed: the rigid
+        body model with Coulomb friction of the same coefficient. Off-scale means are given
+        at the top. There is no mark at 90°, where both tracks coincide, and none where
+        fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
+        smooth curve, the agreement is by construction.
+    """,
+    as_shipped="""
+        Lycopodium spores are not spheres; their slopes, [[series.spore on
+        silicon.particle_slope:.2f]] rad per axis, are assumed. Speeds are [[series.spore on
+        silicon.speed_m_per_s:.2f]] m/s for spores and [[series.silicon
+        front.speed_m_per_s:.2f]] m/s for steel. Diamonds: values printed in the article.
+    """,
+    contact=TWO_STAGES,
+    evidence_labels={
+        "computed": "computed (solid, dotted: mean size, smooth surfaces)",
+    },
+)
+def draw_fig11(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    restitution, impulse_ratio, energy_loss = sheet.panels()
+    sheet.over_angle(restitution, impulse_ratio, energy_loss)
+    restitution.set(ylim=(0.0, 1.6), ylabel=RESTITUTION)
+    impulse_ratio.set(ylim=(-0.1, 0.4), ylabel=IMPULSE_RATIO)
+    energy_loss.set(ylim=(0.0, 0.8), ylabel=ENERGY_LOSS)
+    looks_restitution = {
+        "spore on silicon": Series("[[series.spore on silicon.case.particle]]", 1),
+        "silicon front": Series("[[series.silicon front.case.particle]]", 0, open=True),
+        "spore on silicon, smooth": Series("[[series.spore on silicon.case.particle]]", 1),
+        "silicon front, smooth": Series("[[series.silicon front.case.particle]]", 0, line="dotted"),
+        "spore on silicon, all rebounds": Series("[[series.spore on silicon.case.particle]], all rebounds", 1, line="dashed"),
+        "printed, spore, 48 deg": Series("_p", 1),
+        "printed, spore, 38 deg": Series("_p", 1),
+    }
+    sheet.draw(restitution, looks_restitution, fixed=True)
+    looks_impulse_ratio = {
+        "spore on silicon": Series("[[series.spore on silicon.case.particle]]", 1),
+        "silicon front": Series("[[series.silicon front.case.particle]]", 0, open=True),
+        "spore on silicon, smooth": Series("[[series.spore on silicon.case.particle]]", 1),
+        "silicon front, smooth": Series("[[series.silicon front.case.particle]]", 0, line="dotted"),
+        "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
+        "printed plateau": Series("_printed", 6),
+    }
+    sheet.draw(impulse_ratio, looks_impulse_ratio, fixed=True)
+    looks_energy_loss = {
+        "spore on silicon": Series("[[series.spore on silicon.case.particle]]", 1),
+        "silicon front": Series("[[series.silicon front.case.particle]]", 0, open=True),
+        "spore on silicon, smooth": Series("[[series.spore on silicon.case.particle]]", 1),
+        "silicon front, smooth": Series("[[series.silicon front.case.particle]]", 0, line="dotted"),
+    }
+    sheet.draw(energy_loss, looks_energy_loss, fixed=True)
+    sheet.keys()
+
+
+@Figure(
+    "fig12",
+    "Rebounds of [[series.spore on Formica.case.pair]] and [[series.steel on Formica.case.pair]], as a PTIS would measure them",
+    """
+        Restitution, impulse ratio and loss of translational energy against the angle of
+        incidence, for [[series.spore on Formica.case.pair]] (filled) and [[series.steel on
+        Formica.case.pair]] (open). Marks: virtual experiments with 95 % intervals. Coloured
+        curves: the same contacts, smooth; dashed, dash-dotted: all rebounds, seen or not.
+        Black: Coulomb friction.
+    """,
+    {"restitution": "", "impulse_ratio": "", "energy_loss": ""},
+    data=("fig12",),
+    equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
+    article="The same for Lycopodium spores and steel SST76 on Formica.",
+    finding="""
+        On a rough plastic both particles appear to rebound faster than they came at shallow
+        angles.
+    """,
+    method="""
+        Particles are dropped on the tilted target, imaged by a virtual light sheet and
+        camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
+        [[stop.events]] events. Smooth curves are of the mean size, without spread or
+        instrument; two contacts that are the same give one curve. Black, dashed: the rigid
+        body model with Coulomb friction of the same coefficient. Off-scale means are given
+        at the top. There is no mark at 90°, where both tracks coincide, and none where
+        fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
+        smooth curve, the agreement is by construction.
+    """,
+    as_shipped="""
+        Lycopodium spores are not spheres; all slopes are assumed: [[series.spore on
+        Formica.surface_slope:.2f]] rad per axis of the surface and [[series.spore on
+        Formica.particle_slope:.2f]] of the spores. Diamonds: values printed in the article.
+    """,
+    evidence_labels={
+        "computed": "computed (solid, dotted: mean size, smooth surfaces)",
+    },
+)
+def draw_fig12(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    restitution, impulse_ratio, energy_loss = sheet.panels()
+    sheet.over_angle(restitution, impulse_ratio, energy_loss)
+    restitution.set(ylim=(0.0, 2.0), ylabel=RESTITUTION)
+    impulse_ratio.set(ylim=(-0.1, 0.6), ylabel=IMPULSE_RATIO)
+    energy_loss.set(ylim=(0.0, 0.8), ylabel=ENERGY_LOSS)
+    sheet.ticks(restitution.yaxis, (0.0, 0.5, 1.0, 1.5, 2.0))
+    looks_restitution = {
+        "spore on Formica": Series("[[series.spore on Formica.case.particle]]", 1),
+        "steel on Formica": Series("[[series.steel on Formica.case.particle]]", 0, open=True),
+        "spore on Formica, smooth": Series("[[series.spore on Formica.case.particle]]", 1),
+        "steel on Formica, smooth": Series("[[series.steel on Formica.case.particle]]", 0, line="dotted"),
+        "spore on Formica, all rebounds": Series("[[series.spore on Formica.case.particle]], all rebounds", 1, line="dashdot"),
+        "steel on Formica, all rebounds": Series("[[series.steel on Formica.case.particle]], all rebounds", 0, line="dashed"),
+        "printed, exceeded below": Series("_p", 0),
+    }
+    sheet.draw(restitution, looks_restitution, fixed=True)
+    looks_impulse_ratio = {
+        "spore on Formica": Series("[[series.spore on Formica.case.particle]]", 1),
+        "steel on Formica": Series("[[series.steel on Formica.case.particle]]", 0, open=True),
+        "spore on Formica, smooth": Series("[[series.spore on Formica.case.particle]]", 1),
+        "steel on Formica, smooth": Series("[[series.steel on Formica.case.particle]]", 0, line="dotted"),
+        "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
+    }
+    sheet.draw(impulse_ratio, looks_impulse_ratio, fixed=True)
+    looks_energy_loss = {
+        "spore on Formica": Series("[[series.spore on Formica.case.particle]]", 1),
+        "steel on Formica": Series("[[series.steel on Formica.case.particle]]", 0, open=True),
+        "spore on Formica, smooth": Series("[[series.spore on Formica.case.particle]]", 1),
+        "steel on Formica, smooth": Series("[[series.steel on Formica.case.particle]]", 0, line="dotted"),
+    }
+    sheet.draw(energy_loss, looks_energy_loss, fixed=True)
+    sheet.keys()

@@ -1,0 +1,46 @@
+"""Figures of fig14_restitution_trends."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import NORMAL_SPEED, Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+
+
+
+@Figure(
+    "fig14",
+    "Trends of the coefficients of restitution and adhesion",
+    """
+        Restitution without adhesion R, adhesion coefficient rho, and restitution e = R (1 -
+        rho) against the normal impact speed, by Eqs. 32 to 34 with assumed constants. At
+        the capture velocity rho is 1; slower spheres are captured.
+    """,
+    {"trends": ""},
+    data=("fig14",),
+    equations="32, 33, 34",
+    article="""
+        A sketch without scales of how the coefficients of restitution and adhesion run with
+        the normal speed.
+    """,
+    finding="The slower the impact, the larger the part of the rebound that adhesion takes.",
+    width="single",
+    height_mm=65.0,
+)
+def draw_fig14(sheet: Sheet) -> None:
+    """R, rho and e; below the capture velocity, an upright line, spheres are captured."""
+    (ax,) = sheet.panels(xlim=(0.0, 10.0), ylim=(0.0, 1.05), xlabel=NORMAL_SPEED, ylabel="Coefficient")
+    looks = {
+        "body restitution": Series("$R$, without adhesion", line="dashed"),
+        "adhesion": Series(r"$\rho$, adhesion", line="dashdot"),
+        "overall restitution": Series(r"$e = R\,(1-\rho)$"),
+        "capture velocity": Series("$v_c$, capture velocity", 6, line="dotted"),
+    }
+    sheet.draw(ax, looks)
+    sheet.legend(ax, "center right")
+    sheet.keys()
+    sheet.captured(ax, sheet.abscissae(ax, "capture velocity").max())

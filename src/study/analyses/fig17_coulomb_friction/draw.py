@@ -1,0 +1,61 @@
+"""Figures of fig17_coulomb_friction."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import IMPULSE_RATIO, Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+
+
+
+@Figure(
+    "fig17",
+    "Impulse ratio for Coulomb friction in the rigid body model",
+    """
+        Impulse ratio against the angle of incidence at e = [[restitution:.2f]], rigid body
+        model. (a) Without spin, for several friction coefficients f: sliding spheres have
+        the ratio f, rolling ones follow one curve. (b) With an initial spin at f =
+        [[spin_friction:.2f]]; r omega / v is positive in the sense of rolling.
+    """,
+    {"friction": "no initial spin, friction coefficient $f$", "spin": "initial spin, $f$ = [[spin_friction:.2f]]"},
+    data=("fig17",),
+    equations="4, 12, 13",
+    article="""
+        The impulse ratio that the rigid body model gives for Coulomb friction, against the
+        angle of incidence.
+    """,
+    finding="""
+        A sphere without spin slides at shallow angles and rolls at steep ones; with spin
+        the friction impulse vanishes at another angle.
+    """,
+    height_mm=74.0,
+)
+def draw_fig17(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    friction, spin = sheet.panels(ylim=(-0.2, 0.25), ylabel=IMPULSE_RATIO)
+    sheet.over_angle(friction, spin)
+    for ax in (friction, spin):
+        sheet.level(ax, 0.0)
+    looks_friction = {
+        "0.05": Series("$f$ = 0.05", 0, beside=10),
+        "0.1": Series("$f$ = 0.10", 1, beside=10),
+        "0.15": Series("$f$ = 0.15", 2, beside=10),
+        "0.2": Series("$f$ = 0.20", 3, beside=10),
+        "impulse_ratio_normal_incidence_no_spin": Series(r"$\mu$ = 0 at 90°", 6),
+    }
+    sheet.draw(friction, looks_friction)
+    sheet.legend(friction, "lower left")
+    looks_spin = {
+        "-0.4": Series("$-$0.4", 0, line="dashed"),
+        "-0.2": Series("$-$0.2", 5, line="dotted"),
+        "0": Series("0", 2),
+        "0.2": Series("0.2", 4, line="dashdot"),
+        "0.4": Series("0.4", 1, line="long dashed"),
+    }
+    sheet.draw(spin, looks_spin)
+    sheet.legend(spin, "lower left", r"$r\omega/v$ before impact")
+    sheet.keys()

@@ -1,0 +1,55 @@
+"""Figures of fig20_force_history."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+LOOKS_FIG20_FORCE = {
+    "total": Series("net force", 6),
+    "hertz": Series("Hertz force", 0, line="dashed"),
+    "adhesion": Series("adhesion", 1, line="dashdot"),
+    "adhesion damping": Series("damping of adhesion", 3, line="dotted"),
+    "hertz damping": Series("damping of Hertz force", 2, line="long dashed"),
+    "posterior": Series("net force of drawn contacts, 5 to 95 %", 6, band=True),
+}
+
+
+@Figure(
+    "fig20",
+    "Normal force during an impact, and its terms",
+    """
+        Normal force against time for a sphere of [[diameter_um:.1f]] µm of [[case.pair]] at
+        [[speed_m_per_s:.1f]] m/s, and its four terms; compression is positive. (a) The
+        whole contact. (b) Enlarged: the force is attractive near the beginning and, more
+        strongly, near the end.
+    """,
+    {"force": "whole contact", "dips": "enlarged: attraction near both ends"},
+    data=("fig20",),
+    equations="19, 25, 30",
+    article="""
+        The simulated normal force and its terms against time, for ammonium fluorescein of
+        4.9 µm on molybdenum at 5.2 m/s with a ring force of 8.90 N/m.
+    """,
+    finding="Adhesion attracts at both ends of the contact, and dissipates at the second.",
+    method="Contact [[case]].",
+    as_shipped="""
+        The adhesion damping is calibrated to the printed ratio of dissipative to total
+        adhesion (1/5); the damping of the Hertz force is zero by choice. Shaded: 5 to 95 %
+        of the net forces of contacts consistent with the printed statements.
+    """,
+)
+def draw_fig20(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    force, dips = sheet.panels(xlim=(0.0, 55.0), xlabel="Time $t$ (ns)", ylabel="Normal force (µN)")
+    force.set(ylim=(-40.0, 80.0))
+    dips.set(ylim=(-12.0, 12.0))
+    for ax in (force, dips):
+        sheet.level(ax, 0.0)
+    sheet.draw(force, LOOKS_FIG20_FORCE)
+    sheet.draw(dips, LOOKS_FIG20_FORCE, shows="force", fixed=True)
+    sheet.keys()

@@ -1,0 +1,65 @@
+"""Figures of fig23_monte_carlo."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import IMPULSE_RATIO, TWO_STAGES, Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+LOOKS_FIG23_RESTITUTION = {
+    "smooth": Series("smooth surface", 6, line="dashed"),
+    "equal weights": Series("rough, facets equally likely", 0),
+    "facets by area seen": Series("rough, weighted by projected area", 1, line="dashdot"),
+    "measured means": Series("95 % of means of [[events_measured]] events", 0, band=True),
+    "steel on Formica": Series("virtual experiments of Fig. 12", 6, open=True),
+}
+
+
+@Figure(
+    "fig23",
+    "Monte Carlo analysis of impacts on a rough surface",
+    """
+        Monte Carlo means on a rough surface, rigid body model: (a) restitution less its
+        value at [[reference_angle_deg:.0f]]°, (b) impulse ratio. Dashed: smooth surface.
+        Solid: facets equally likely. Dash-dotted: facets weighted by projected area. Band:
+        95 % of the means of [[events_measured]] events. Marks: virtual experiments of Fig.
+        12.
+    """,
+    {"restitution": "restitution, less its value at [[reference_angle_deg:.0f]]°", "impulse_ratio": "impulse ratio"},
+    data=("fig23", "fig23_points"),
+    equations="12, 13, 35, 36",
+    article="""
+        Monte Carlo results of the rigid body model with random slopes and diameters
+        (solid), and measured points with error bars and the result without randomness
+        (dashed).
+    """,
+    finding="Random slopes alone raise the mean restitution at shallow angles above one.",
+    method="""
+        Unless their distribution is declared, slopes are normal and as wide as each
+        weighting needs for the printed e = [[slope_inference.restitution:g]] at
+        [[slope_inference.angle_deg:.0f]]° (table slope_inference): (a) is calibrated at
+        that angle, (b) is predicted. Only spheres that rebound from the nominal surface
+        count. Off-scale means are given at the top.
+    """,
+    as_shipped="""
+        Diameter, speed and slope are drawn independently. Two standard errors of the curves
+        are below the width of their lines.
+    """,
+    contact=TWO_STAGES,
+    tables={
+        "monte_carlo": "Means and standard deviations of the coefficients at every angle, by the way facets are weighted.",
+        "slope_inference": "The slope that the printed restitution needs, and its uncertainty.",
+    },
+)
+def draw_fig23(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    restitution, impulse_ratio = sheet.panels()
+    sheet.over_angle(restitution, impulse_ratio)
+    restitution.set(ylim=(-0.6, 1.8), ylabel=sheet.fill("Relative restitution $e - e([[reference_angle_deg:.0f]]°)$"))
+    impulse_ratio.set(ylim=(-0.1, 0.4), ylabel=IMPULSE_RATIO)
+    sheet.draw(restitution, LOOKS_FIG23_RESTITUTION, fixed=True)
+    sheet.draw(impulse_ratio, LOOKS_FIG23_RESTITUTION)
+    sheet.keys()

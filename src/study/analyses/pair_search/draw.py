@@ -1,0 +1,92 @@
+"""Figures of pair_search."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import NOMINAL_SPEED, NORMAL_SPEED, TWO_STAGES, Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+HEIGHTS = {
+    "h = 0.5 mm": Series("$h$ = 0.5 mm", 0, open=True),
+    "h = 1 mm": Series("$h$ = 1 mm", 2, mark="square"),
+    "h = 2 mm": Series("$h$ = 2 mm", 4, mark="triangle"),
+    "h = 5 mm": Series("$h$ = 5 mm", 3),
+}
+
+
+@Figure(
+    "doppler_pairs",
+    "Pairs in the records of a phase Doppler particle analyser, and their correction to the surface",
+    """
+        A virtual phase Doppler analyser (contact [[case]]). (a) A stretch of its records,
+        with the accepted pairs. (b) Share of accepted pairs that are of one sphere. (c)
+        Share of true pairs found. (d) Share of rebounds found. (e) Bias of the restitution
+        by the printed correction for the probe's height, and by the exact one.
+    """,
+    {"stream": "stretch of a stream", "precision": "precision of the pairs", "recall": "found, of recorded pairs", "seen": "found, of rebounds", "correction": "bias of the correction"},
+    data=("doppler_stream", "pairing_curves", "correction_curves"),
+    equations="2.1 incident, 2.1 rebound, 25",
+    finding="""
+        The printed correction of the probe's height biases the restitution of slow
+        rebounds; the exact one does not.
+    """,
+    method="""
+        Spheres fall through a small probe volume at a height h above the surface, rebound,
+        and rise through it again; in (a) h = [[instrument.probe_height_mm:g]] mm, and
+        spheres that fall back pass once more, more slowly. The rebounds missing in (d) rose
+        too slowly to reach the probe volume, missed it or dropped out. The printed
+        correction adds a constant to both speeds; curves in (e), in closed form, begin
+        where the rebound reaches the probe volume. Bars are 95 % intervals; marks of one
+        speed are drawn side by side.
+    """,
+    contact=TWO_STAGES,
+    tables={
+        "pairing_quality": "Share of pairs that are true, and of rebounds found, by height of the probe and speed.",
+        "surface_correction": "Bias of restitution corrected as printed, exactly, and by a closed form.",
+    },
+    height_mm=115.0,
+    columns=3,
+)
+def draw_doppler_pairs(sheet: Sheet) -> None:
+    """A stretch of the stream with its pairs as lines, and curves against speed."""
+    stream, precision, recall, seen, correction = sheet.panels()
+    stream.set(xlim=(0.0, 100.0), ylim=(-0.9, 2.2), xlabel="Time (ms)", ylabel="Vertical velocity (m/s)")
+    precision.set(xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Precision")
+    recall.set(xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Recall")
+    seen.set(xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Share found")
+    correction.set(xscale="log", xlim=(0.15, 6.0), ylim=(-0.14, 0.08), xlabel=NORMAL_SPEED, ylabel="Bias of $e$")
+    for ax in (precision, recall, seen):
+        sheet.ticks(ax.xaxis, (0.3, 0.4, 0.5, 0.75, 1.66))
+    sheet.ticks(correction.xaxis, (0.2, 0.5, 1.0, 2.0, 5.0))
+    looks_stream = {
+        "falling": Series("falling record", 0),
+        "rising": Series("rising record", 1, mark="triangle"),
+    }
+    sheet.draw(stream, looks_stream, omit="pair")
+    sheet.legend(stream, "upper left")
+    for ax in (precision, recall, seen):
+        sheet.draw(ax, HEIGHTS, apart=1.06)
+    looks_correction = {
+        "closed form, e = 0.4": Series("$e$ = 0.4", 0),
+        "closed form, e = 0.7": Series("$e$ = 0.7", 1, line="dashed"),
+        "closed form, e = 0.9": Series("$e$ = 0.9", 2, line="dashdot"),
+        "printed, e = 0.4": Series("$e$ = 0.4", 0),
+        "printed, e = 0.7": Series("$e$ = 0.7", 1, mark="square"),
+        "printed, e = 0.9": Series("$e$ = 0.9", 2, mark="triangle"),
+        "exact, e = 0.4": Series("exactly, any $e$", 6, open=True),
+        "exact, e = 0.7": Series("_exact", 6, open=True),
+        "exact, e = 0.9": Series("_exact", 6, open=True),
+    }
+    sheet.draw(correction, looks_correction, fixed=True)
+    sheet.legend(correction, "lower right", "corrected as printed,")
+    sheet.keys()
+    table = sheet.tables["doppler_stream"]
+    pairs = table[table["series"].str.startswith("pair ")].groupby("series")
+    for number, (_, pair) in enumerate(pairs):
+        label = "_pair" if number else "accepted pair"
+        look = {"color": "0.6", "linewidth": 0.8, "zorder": 1}
+        stream.plot(pair.iloc[:, 3], pair.iloc[:, 4], label=label, **look)
+    stream.legend(loc="upper left")

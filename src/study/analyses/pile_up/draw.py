@@ -1,0 +1,64 @@
+"""Figures of pile_up."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import PILE_UP, TWO_STAGES, Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+
+
+
+@Figure(
+    "pile_up_onset",
+    "Spheres that end on the target, by one impact and by repeated bounces",
+    """
+        Share of spheres (contact [[case]]) that rest on a target of [[drawn_radius_mm:.0f]]
+        mm radius with slopes of [[drawn_slope_deg:.0f]]°, against the nominal speed:
+        captured at their first impact, and at rest in the end, for three contacts with the
+        same restitution at high speed. Shaded: speeds at which the article saw spheres pile
+        up.
+    """,
+    {"all": ""},
+    data=("pile_up_onset",),
+    equations="25",
+    finding="""
+        Spheres pile up by repeated bounces at speeds far above capture, so a pile does not
+        show the capture velocity.
+    """,
+    method="""
+        Spheres that rebound lose speed at every bounce and are captured on the target
+        unless they leave it before.
+    """,
+    contact=TWO_STAGES,
+    tables={
+        "pile_up": "Share of spheres that end on the target, by speed, slope and radius of the target.",
+        "pile_up_onsets": "Speeds below which given shares of the spheres stay on the target.",
+    },
+    width="single",
+    height_mm=75.0,
+)
+def draw_pile_up_onset(sheet: Sheet) -> None:
+    """Shares in the end as marks, at the first impact as curves."""
+    (ax,) = sheet.panels(
+        xlim=(0.0, 2.1),
+        ylim=(0.0, 1.05),
+        xlabel="Nominal drop speed (m/s)",
+        ylabel="Share of spheres on the target",
+    )
+    lower = "[[other_capture_velocity_m_per_s:g]] m/s"
+    looks = {
+        "printed, in the end": Series("printed, in the end", 0),
+        "printed, first impact": Series("printed, at first impact", 0),
+        "posterior, in the end": Series("posterior, in the end", 1, mark="square"),
+        "posterior, first impact": Series("posterior, at first impact", 1, line="dotted"),
+        "lower, in the end": Series(f"{lower}, in the end", 2, open=True),
+        "lower, first impact": Series(f"{lower}, at first impact", 2, line="dashed"),
+    }
+    sheet.draw(ax, looks, omit=PILE_UP)
+    sheet.legend(ax, "upper right", "capture velocity; captured")
+    sheet.keys()
+    sheet.piled_up(ax)

@@ -1,0 +1,57 @@
+"""Figures of rival_explanations."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import NORMAL_SPEED, PILE_UP, RESTITUTION, TWO_STAGES, Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+
+
+
+@Figure(
+    "rival_restitution",
+    "Restitution that falls by adhesion, and by a probe above the surface",
+    """
+        Restitution against the normal impact speed: calibrated contacts of [[cases.pair]],
+        for the mean spheres of two size classes; and spheres of constant restitution
+        [[restitution:.2f]] without adhesion, seen by a probe [[probe_height_mm:g]] mm above
+        the surface with no correction for its height.
+    """,
+    {"restitution": ""},
+    data=("rival_restitution",),
+    equations="2.1 incident, 2.1 rebound, 25",
+    finding="""
+        A probe that misses slow rebounds produces an apparent capture velocity at the same
+        speeds as adhesion, but no effect of size.
+    """,
+    as_shipped="""
+        Diamond: printed for oblique impact. Shaded: speeds at which the article saw
+        pile-up.
+    """,
+    contact=TWO_STAGES,
+    tables={
+        "rival_explanations": "Printed observations by both explanations, and which of them tell the two apart.",
+        "capture_evidence": "What piles, slow rebounds and energies say of the capture velocity.",
+        "rival_forces": "Strength that other forces would need to hold or slow a sphere, and the reason that excludes them.",
+    },
+    width="single",
+)
+def draw_rival_restitution(sheet: Sheet) -> None:
+    """Curves of both explanations."""
+    (ax,) = sheet.panels(xlim=(0.0, 2.0), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
+    looks_ax = {
+        "steel-silicon, n = 0, 75 um": Series("adhesion, $n$ = 0, 75 µm", 0, line="dashed"),
+        "steel-silicon, n = 1, 75 um": Series("adhesion, $n$ = 1, 75 µm", 1, line="long dashed"),
+        "steel-silicon, n = 1, 49 um": Series("adhesion, $n$ = 1, 49 µm", 1, line="dashdot"),
+        "steel-silicon, n = 0, 49 um": Series("adhesion, $n$ = 0, 49 µm", 0),
+        "probe alone": Series("probe alone, any size", 3, line="dotted"),
+        "printed, oblique impact": Series("printed for oblique impact", 6),
+    }
+    sheet.draw(ax, looks_ax, omit=PILE_UP)
+    sheet.legend(ax, "lower right")
+    sheet.keys()
+    sheet.piled_up(ax)

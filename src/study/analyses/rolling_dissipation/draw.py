@@ -1,0 +1,64 @@
+"""Figures of rolling_dissipation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import ANGLE, TWO_STAGES, Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+LOOKS_ROLLING_BOUND = {
+    "steel-silicon, n = 0, 0.5 m/s": Series("$n$ = 0, 0.5 m/s", 0, line="dotted"),
+    "steel-silicon, n = 1, 0.5 m/s": Series("$n$ = 1, 0.5 m/s", 1, line="dashdotdot"),
+    "steel-silicon, n = 0, 1.66 m/s": Series("$n$ = 0, 1.66 m/s", 0),
+    "steel-silicon, n = 1, 1.66 m/s": Series("$n$ = 1, 1.66 m/s", 1, line="dashed"),
+    "steel-silicon, n = 0, 5 m/s": Series("$n$ = 0, 5 m/s", 0, line="long dashed"),
+    "steel-silicon, n = 1, 5 m/s": Series("$n$ = 1, 5 m/s", 1, line="dashdot"),
+    "negligible": Series("negligible below", 6, line="loose dashed"),
+}
+
+
+@Figure(
+    "rolling",
+    "Rolling resistance neglected in an impact",
+    """
+        Impulse of the rolling moment that the models neglect over that of friction, against
+        the angle of incidence, for [[cases.pair]], [[drawn_diameter_um:g]] µm. (a) Bound by
+        statics. (b) As in steady rolling. (c) Only where one part of the contact closes
+        while another opens. (d) The model's own damping. Below the black, dashed line:
+        negligible.
+    """,
+    {"bound": "upper bound (statics)", "steady": "steady rolling", "impact": "hysteresis within an impact", "damping": "damping of the model within an impact"},
+    data=("rolling",),
+    equations="25, 27, 29",
+    finding="""
+        Within one impact rolling resistance is negligible against friction; only a bound by
+        statics, or steady rolling, makes it matter.
+    """,
+    method="""
+        (a) All pressure at the leading edge of the contact, all adhesion on its trailing
+        half. (b) Hysteresis of the whole loss of the impact, and adhesion lagging by
+        [[rolling_shift_nm:.0f]] nm. (c) Hysteresis of the same loss and of the whole
+        adhesion. (d) At each point of the contact. n is the rate exponent of the adhesion
+        damping, whose coefficient falls with the impact speed as v^-n. Curves begin above
+        capture.
+    """,
+    contact=TWO_STAGES,
+    tables={
+        "rolling_dissipation": "Moments of rolling over that of friction, by diameter, speed and angle.",
+    },
+    height_mm=128.0,
+    columns=2,
+)
+def draw_rolling(sheet: Sheet) -> None:
+    """Draw it (was study.figures.models.curves.draw)."""
+    bound, steady, impact, damping = sheet.panels(yscale="log", xlim=(0.0, 90.0), ylim=(0.0001, 20.0), xlabel=ANGLE, ylabel="Rolling / friction moment")
+    for ax in (bound, steady, impact, damping):
+        sheet.ticks(ax.xaxis, (0, 30, 60, 90))
+    sheet.draw(bound, LOOKS_ROLLING_BOUND)
+    sheet.draw(steady, LOOKS_ROLLING_BOUND)
+    sheet.draw(impact, LOOKS_ROLLING_BOUND)
+    sheet.draw(damping, LOOKS_ROLLING_BOUND)
+    sheet.keys()

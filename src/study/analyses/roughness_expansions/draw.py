@@ -1,0 +1,84 @@
+"""Figures of roughness_expansions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from study.figures.declaration import ANGLE, MEASURED_IMPULSE_RATIO, MEASURED_RESTITUTION, Figure, Series
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+RESTITUTIONS = {
+    "exact": Series("exact", 6),
+    "printed": Series("expansion as printed", 1, line="dashed"),
+    "corrected": Series("expansion corrected", 0, line="dashdot"),
+    "35 printed": Series("Eq. 35 as printed", 3, line="dotted"),
+    "35 printed beyond": Series("Eq. 35 as printed", 3, line="dotted"),
+    "39 printed": Series("Eq. 39 as printed", 2, line="dashdotdot"),
+    "energy bound": Series("bound by energy", 5, line="long dashed"),
+}
+RATIOS = {
+    "exact": Series("exact", 6),
+    "printed": Series("expansion as printed", 1, line="dashed"),
+    "corrected": Series("expansion corrected", 0, line="dashdot"),
+}
+SLOPE = r"Slope $\phi$ (°)"
+# Bars of the ranges of agreement: words, height as a share of the panel, colour.
+BARS = {"corrected": ("corrected", 0.07, 0), "printed": ("as printed", 0.03, 1)}
+
+
+@Figure(
+    "roughness",
+    "Coefficients measured on a slope, exact and by the article's equations",
+    """
+        Restitution e_m and impulse ratio -mu_m measured about the nominal normal where the
+        sphere strikes a slope phi: exact, by the article's expansions as printed, and
+        corrected. Bars at the foot: where an expansion is within [[tolerance:g]]. (a), (d)
+        At [[drawn_angle_deg:.0f]]°. (b), (e) On a slope of [[drawn_slope_deg:.0f]]°. (c),
+        (f) At normal incidence.
+    """,
+    {"slope restitution": r"$\alpha$ = [[drawn_angle_deg:.0f]]°", "angle restitution": r"$\phi$ = [[drawn_slope_deg:.0f]]°", "normal restitution": r"$\alpha$ = 90°, no spin", "slope impulse ratio": r"$\alpha$ = [[drawn_angle_deg:.0f]]°", "angle impulse ratio": r"$\phi$ = [[drawn_slope_deg:.0f]]°", "normal impulse ratio": r"$\alpha$ = 90°, $r\omega/v$ = [[drawn_spin_ratio:g]]"},
+    data=("roughness",),
+    equations="35, 36, 37, 38, 41, 4.1.2 restitution",
+    finding="""
+        The article's expansions hold on gentle slopes only, and Eqs. 35 and 41 have a wrong
+        sign as printed.
+    """,
+    method="""
+        e = [[restitution:.2f]] and f = [[friction:.2f]] about the local normal; Eqs. 37,
+        38, 41 and e - 9 phi^2/7. With its printed sign Eq. 35 never gives e_m above 1 on a
+        slope that faces the sphere, and has a pole at phi = -alpha/2. The bound in (b) is
+        the largest value that conservation of energy allows. In (c), (f) the sphere rolls
+        at separation; in (f) the spin r omega/v is [[drawn_spin_ratio:g]]; Eq. 41 prints
+        the wrong sign of its spin term.
+    """,
+    height_mm=125.0,
+    columns=3,
+)
+def draw_roughness(sheet: Sheet) -> None:
+    """Curves, and bars at the foot of each panel for the ranges of agreement.
+
+    A series ``range x`` holds the two ends of the range of series x.
+    """
+    axes = sheet.panels()
+    restitution, ratio = axes[:3], axes[3:]
+    for by_slope, by_angle, at_normal in (restitution, ratio):
+        by_slope.set(xlim=(-9.0, 20.0), xlabel=SLOPE)
+        by_angle.set(xlim=(0.0, 90.0), xlabel=ANGLE, xticks=(0, 30, 60, 90))
+        at_normal.set(xlim=(-20.0, 20.0), xlabel=SLOPE)
+    for ax, ylim in zip(restitution, ((-1.5, 6.5), (0.4, 2.5), (0.5, 0.72)), strict=True):
+        ax.set(ylim=ylim, ylabel=MEASURED_RESTITUTION)
+        sheet.draw(ax, RESTITUTIONS, fixed=True, omit="range")
+    for ax, ylim in zip(ratio, ((-0.1, 0.6), (-0.05, 0.25), (-0.4, 0.4)), strict=True):
+        ax.set(ylim=ylim, ylabel=MEASURED_IMPULSE_RATIO)
+        sheet.draw(ax, RATIOS, omit="range")
+    for ax in axes:
+        for form, (words, height, colour) in BARS.items():
+            ends = sheet.abscissae(ax, f"range {form}")
+            look = {"color": f"C{colour}", "marker": "|", "linestyle": "solid", "clip_on": False}
+            if len(ends):
+                across = ax.get_xaxis_transform()
+                label = f"holds to the tolerance, {words}"
+                ax.plot(ends, [height] * len(ends), transform=across, label=label, **look)
+    sheet.keys()

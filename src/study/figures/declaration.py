@@ -1,0 +1,169 @@
+"""What an analysis says of its figures: words, data and panels, beside the function that draws them.
+
+Nothing here imports Matplotlib: the words are read at every start of the workflow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+from study.declared import documents
+
+if TYPE_CHECKING:
+    from study.figures.style import Sheet
+
+Line = Literal["solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot", "loose dashed"]
+Mark = Literal["circle", "square", "triangle"]
+
+# Every figure is written in each of these.
+FORMATS = ("svg", "png", "pdf")
+
+# Words at the axes: one name, sign and unit of a quantity for all figures.
+ANGLE = r"Angle of incidence $\alpha$ (°)"
+RESTITUTION = "Coefficient of restitution $e$"
+IMPULSE_RATIO = r"Impulse ratio $-\mu$"
+ENERGY_LOSS = "Energy loss $T_L$"
+NORMAL_SPEED = "Normal impact speed $|v_n|$ (m/s)"
+NOMINAL_SPEED = "Nominal impact speed (m/s)"
+CAPTURE_VELOCITY = "Capture velocity $v_c$ (m/s)"
+WORK_OF_ADHESION = "Work of adhesion $w_A$ (J/m$^2$)"
+MEASURED_RESTITUTION = "Measured restitution $e_m$"
+MEASURED_IMPULSE_RATIO = r"Measured impulse ratio $-\mu_m$"
+MEAN_MEASURED_RESTITUTION = "Mean measured restitution $e_m$"
+MEAN_IMPULSE_RATIO = r"Mean impulse ratio $-\mu$"
+
+# The series of both ends of the speeds at which particles piled up.
+PILE_UP = "printed pile-up"
+
+# The origin of the single contacts of steel on silicon, said under many figures.
+TWO_STAGES = (
+    "The single contacts of steel on silicon are from the article's two-stage procedure "
+    "(Section 3.2.1), by a restitution and the printed capture velocity."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Series:
+    """How one series is called in the legend and drawn; marks are solid unless `open`.
+
+    Marks of virtual experiments have the shape `mark`, printed values are diamonds. A curve that
+    has a place `beside` it, an abscissa, is named there and not in the legend, as is one whose
+    label begins with an underscore. Of a `band` only the bounds are drawn.
+    """
+
+    label: str
+    colour: int | None = None
+    line: Line = "solid"
+    open: bool = False
+    band: bool = False
+    beside: float | None = None
+    mark: Mark = "circle"
+    side: Literal["above", "below", "right"] = "above"
+
+
+NO_SERIES: Mapping[str, Series] = {}
+
+Draw = Callable[["Sheet"], None]
+# Fields whose texts take parameters of the analysis.
+TEXTS = ("title", "finding", "caption", "method", "panels", "tables", "evidence_labels")
+
+# Every figure by its name, as the modules that draw them are imported.
+FIGURES: dict[str, Figure] = {}
+
+
+def _no_drawing(sheet: Sheet) -> None:
+    raise NotImplementedError(f"{sheet.figure.name}: nothing draws it")
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One figure: its words, the figure data it is drawn from, its panels, and what draws it.
+
+    As a decorator it declares the figure that a function draws on a sheet. ``[[name]]`` in any text
+    is a parameter of the analysis, see `documents.filled`. `article` says what the article shows
+    there; it is empty for a figure of our own. `equations` are those of the article that the figure
+    shows or rests on, by their numbers in the ledger, separated by commas. `tables` are those of
+    the analysis that belong beside the figure, each with a sentence on what it holds. `finding` is
+    the message, in one sentence, `caption` says what is drawn, `method` how it was computed. The
+    finding, and `as_shipped` and `contact` (the origin of the single contacts) at the end of the
+    method, hold for the shipped inputs alone. `panels` have a title each, by the name of their
+    data, and stand in rows of `columns`, all side by side if not given. `evidence_labels` replace
+    words of the key of evidence, as of what another paper printed.
+    """
+
+    name: str
+    title: str
+    caption: str
+    panels: Mapping[str, str]
+    _: KW_ONLY
+    data: tuple[str, ...]
+    equations: str = ""
+    article: str = ""
+    finding: str = ""
+    method: str = ""
+    as_shipped: str = ""
+    contact: str = ""
+    tables: Mapping[str, str] = field(default_factory=dict)
+    evidence_labels: Mapping[str, str] = field(default_factory=dict)
+    width: Literal["single", "double"] = "double"
+    height_mm: float = 80.0
+    columns: int | None = None
+    is_schematic: bool = False  # A drawing of parts, not a plot of one quantity over another
+    draw: Draw = _no_drawing
+
+    def __post_init__(self) -> None:
+        """Put texts of several lines into one."""
+        for key in ("caption", "article", "finding", "method", "as_shipped", "contact"):
+            object.__setattr__(self, key, " ".join(getattr(self, key).split()))
+
+    def __call__(self, draw: Draw) -> Draw:
+        """Register what draws the figure."""
+        FIGURES[self.name] = replace(self, draw=draw)
+        return draw
+
+    @property
+    def analysis(self) -> str:
+        """Name of the analysis: the folder of the module that draws the figure."""
+        return self.draw.__module__.split(".")[-2]
+
+    def filled(
+        self, values: Mapping[str, Any], pairs: documents.Pairs, *, changed: bool = False
+    ) -> Figure:
+        """Return the figure with parameters of its analysis in its words.
+
+        Parameters
+        ----------
+        values
+            Parameters of the analysis.
+        pairs
+            As in `documents.filled`.
+        changed
+            Whether inputs that it rests on are not as shipped: ``finding``, ``as_shipped`` and
+            ``contact`` are then left out.
+
+        Raises
+        ------
+        ConfigError
+            If there is no parameter of a name.
+        """
+        shipped = [] if changed else [self.as_shipped, self.contact]
+        held = replace(
+            self,
+            finding="" if changed else self.finding,
+            method=" ".join(filter(None, [self.method, *shipped])),
+            as_shipped="",
+            contact="",
+        )
+        texts = {key: getattr(held, key) for key in TEXTS}
+        return replace(held, **documents.filled(texts, values, self.name, pairs))
+
+    def entry(self) -> dict[str, Any]:
+        """Return what is said of the figure as plain values, without what draws it."""
+        keys = (*TEXTS, "analysis", "data", "article", "width", "height_mm")
+        return {
+            **{key: getattr(self, key) for key in keys},
+            "equations": list(filter(None, self.equations.split(", "))),
+            "drawing": f"{self.draw.__module__}.{self.draw.__name__}",
+        }
