@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from study.figures import style
-from study.figures.registry import FigureSpec
+from study.figures.declaration import Figure as Words
 
 POINTS_PER_INCH = 72.0
 # Panel of all that stands outside of the declared panels.
@@ -28,15 +28,15 @@ EXTENT = ("x_low", "x_high", "y_low", "y_high")
 
 
 @style.context()  # colours by number and ticks are of the style in which they are asked for
-def content(figure: Figure, spec: FigureSpec) -> pd.DataFrame:
+def content(figure: Figure, words: Words) -> pd.DataFrame:
     """Return the content of a figure: its words, then all that is drawn.
 
     Parameters
     ----------
     figure
         The figure as it was saved, its layout made.
-    spec
-        Its registry entry.
+    words
+        What is said of it, filled in.
 
     Returns
     -------
@@ -46,10 +46,9 @@ def content(figure: Figure, spec: FigureSpec) -> pd.DataFrame:
         ``x_high``, ``y_low``, ``y_high``: extent in points (1/72 inch) from the lower left corner.
     """
     rows: list[dict[str, Any]] = [
-        {"panel": FIGURE, "artist": name, "text": getattr(spec, name)}
+        {"panel": FIGURE, "artist": name, "text": getattr(words, name)}
         for name in ("title", "finding", "caption", "method")
     ]
-    panels: dict[Artist, str] = dict(zip(figure.axes, spec.panels, strict=False))
     labels = {
         child: str(container.get_label())
         for ax in figure.axes
@@ -65,7 +64,7 @@ def content(figure: Figure, spec: FigureSpec) -> pd.DataFrame:
                 label = "" if label.startswith(AUTOMATIC) else label
                 rows.append(
                     {
-                        "panel": panels.get(parent, FIGURE),
+                        "panel": str(parent.get_label()) or FIGURE,
                         "artist": type(artist).__name__,
                         "text": "; ".join(recorder.words) or label,
                         "look": "; ".join((*_mark(artist), *recorder.counted())),
