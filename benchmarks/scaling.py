@@ -23,7 +23,7 @@ from microimpact import Contact, Material
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.law.table import tabulate
 from microimpact.statistics.distributions import Normal, TruncatedNormal, Uniform
-from study.studies.analyses.monte_carlo.ensembles import (
+from study.analyses.fig23_monte_carlo.ensembles import (
     Ensemble,
     Plan,
     Process,

@@ -78,7 +78,7 @@ MUTANTS = [Mutant(*row) for row in (
     ("design: Lenth's degrees of freedom m for m/3", "microimpact/statistics/effects.py",
      "sizes.size / 3.0", "sizes.size", "studies/test_doe"),
     ("Monte Carlo: scatter of the sums for that of their ratio",
-     "study/studies/analyses/monte_carlo/ensembles.py",
+     "study/analyses/fig23_monte_carlo/ensembles.py",
      "average * sums.accepted", "np.mean(values)", "studies/test_monte_carlo"),
     ("random numbers: parts of an analysis share one stream",
      "microimpact/statistics/distributions.py",

@@ -12,7 +12,7 @@ from study.declared.parameters import build
 from study.declared.selection import NamedTables
 from study.run.study import run_study
 from study.studies.claims import claim_numbers
-from study.studies.contacts import calibrated_contact, solved_contacts
+from study.contacts import calibrated_contact, solved_contacts
 from study.tables import NotComputedError, not_computed, read_table, write_table
 
 WHY = "calibration.two_stage.members.n = 1: no solution"

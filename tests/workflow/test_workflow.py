@@ -159,7 +159,7 @@ def test_an_unknown_target_is_told_with_the_nearest_name(project):
 
 
 def test_an_analysis_that_cannot_be_imported_is_named(project):
-    file = "src/study/studies/models/coulomb_friction.py"
+    file = "src/study/analyses/fig17_coulomb_friction/compute.py"
     wrong = "from numpy import nothing_such\nimport numpy as np\n"
     with project.edited(file, lambda text: text.replace("import numpy as np\n", wrong, 1)):
         told = project.snakemake("fig17", check=False).text
@@ -170,7 +170,7 @@ def test_an_analysis_that_cannot_be_imported_is_named(project):
 
 def test_a_failing_study_of_the_copy_is_named_and_leaves_no_table(project):
     """The copy runs its own code, not that of the checkout the package is installed from."""
-    path = "src/study/studies/models/restitution_trends.py"
+    path = "src/study/analyses/fig14_restitution_trends/compute.py"
     broken = "\n\ndef run(params, inputs):\n    raise TypeError('speed out of reach')\n"
     root = ("--config", "pathvars={results: build/broken}")
     with project.edited(path, lambda text: text + broken):

@@ -1,0 +1,78 @@
+"""Analyses: each from a branch of the configuration to tables and figures; the listing is the index.
+
+An analysis bears one name, which begins with the figures of the article that it makes: that of its
+folder or module here, of its file in ``config/analyses``, of its rule and of its test. Its module,
+or ``compute`` in its folder, defines a frozen dataclass ``Params`` and a pure function ``run(params,
+inputs)`` that returns its tables by name; ``draw`` in its folder declares its figures beside the
+functions that draw them. If it takes tables of earlier analyses, ``NEEDS`` names them by the
+analysis that makes them. They are among the inputs by their names, and so are declared rows:
+``materials`` and ``contacts`` of what the parameters name, and as ``printed`` the printed values
+that they name or that ``PRINTED_VALUES`` lists. If its parameters must agree with those of an
+analysis that it needs, ``disagreements(params, others)`` yields a line for each that does not, which
+is told before anything is made. Nothing is registered here.
+"""
+
+from __future__ import annotations
+
+import pkgutil
+import re
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from types import MappingProxyType, ModuleType
+
+from study.figures.declaration import FIGURES, Figure
+
+
+@cache
+def homes() -> MappingProxyType[str, str]:
+    """Return the full name of the module that computes each analysis, in order of the names."""
+    places = {
+        module.name: f"{__name__}.{module.name}{'.compute' if module.ispkg else ''}"
+        for module in pkgutil.iter_modules(__path__)
+    }
+    return MappingProxyType(dict(sorted(places.items())))
+
+
+def analysis(name: str) -> ModuleType:
+    """Return the module that computes an analysis, given its name.
+
+    Raises KeyError if there is no such analysis.
+    """
+    return import_module(homes()[name])
+
+
+def needs(name: str) -> dict[str, str]:
+    """Return the tables of earlier analyses that one takes: the maker of each by its name.
+
+    Raises KeyError if there is no such analysis.
+    """
+    needed = getattr(analysis(name), "NEEDS", {})
+    return {table: maker for maker, tables in needed.items() for table in tables}
+
+
+def printed(name: str) -> tuple[str, ...]:
+    """Return the keys of the printed values that an analysis reads whatever its parameters are.
+
+    Raises KeyError if there is no such analysis.
+    """
+    return tuple(getattr(analysis(name), "PRINTED_VALUES", ()))
+
+
+def stream(name: str) -> str:
+    """Return the name of the random numbers of an analysis: its own without its figures.
+
+    Drawing one figure more moves no number.
+    """
+    return re.sub(r"^fig(\d\d_)+", "", name)
+
+
+@cache
+def figures() -> MappingProxyType[str, Figure]:
+    """Return all figures by name, those of the article first."""
+    for home in homes().values():
+        drawing = f"{home.removesuffix('.compute')}.draw"
+        if home.endswith(".compute") and find_spec(drawing):
+            import_module(drawing)
+    ours = sorted(FIGURES, key=lambda name: (not re.fullmatch(r"fig\d\d", name), name))
+    return MappingProxyType({name: FIGURES[name] for name in ours})

@@ -29,7 +29,7 @@ from study.run.config import study_rows
 from study.run.study import Made, settings_as_shipped
 from study.studies.claims.claim_numbers import CLAIMS, Params, draws_of, numbers_of
 from study.studies.claims.claim_numbers.context import Common
-from study.studies.contacts import DRAWN
+from study.contacts import DRAWN
 from study.tables import Row, parse_table, read_table
 
 STUDY = "claim_numbers"

@@ -32,8 +32,8 @@ from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read
 from study.figures.registry import AS_SHIPPED, FigureSpec, filled, registry
 from study.run.digitised import Digitised, as_rows, read_folder
 from study.run.stamp import changes
-from study.studies.contacts import ALL_LAWS
-from study.studies.laboratory import Laboratory
+from study.contacts import ALL_LAWS
+from study.laboratory import Laboratory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -29,7 +29,7 @@ from study.ledgers.claims.digitised import DigitisedCriteria
 from study.ledgers.equations.forms import ERRATA, SYMBOLS
 from study.ledgers.equations.records import EQUATION_NAME, Equation
 from study.run.config import General
-from study.studies.laboratory import Laboratory
+from study.laboratory import Laboratory
 
 Schema = dict[str, Any]
 

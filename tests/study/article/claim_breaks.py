@@ -23,7 +23,7 @@ from study import studies
 from study.declared.parameters import build
 from study.report.claim import with_contacts
 from study.studies.analyses import doe
-from study.studies.analyses.doe.factors import realistic_levels
+from study.analyses.fig24_25_doe.factors import realistic_levels
 from study.studies.claims.claim_numbers import (
     Params,
     dynamics,
@@ -32,10 +32,10 @@ from study.studies.claims.claim_numbers import (
     rigid_body,
     roughness,
 )
-from study.studies.contacts import calibrated_contact
+from study.contacts import calibrated_contact
 from study.studies.experiments import mechanisms
-from study.studies.experiments.mechanisms import spore as spore_mechanism
-from study.studies.experiments.mechanisms.shallow import adhesion_or_roughness, shallow_curves
+from study.analyses.mechanisms.compute import spore as spore_mechanism
+from study.analyses.mechanisms.shallow import adhesion_or_roughness, shallow_curves
 from study.studies.models import calibration as calibration_study
 
 STEEL = ("steel-silicon, n = 0", "steel-silicon, n = 1")

@@ -8,7 +8,7 @@ import pytest
 
 from study.declared.parameters import build
 from study.studies.experiments import campaign as study
-from study.studies.experiments.campaign import FATES
+from study.analyses.campaign.compute import FATES
 from study.tables import NotComputedError, computed, parse_table
 
 QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")

@@ -11,9 +11,9 @@ from tests.shared import facet_rebound
 
 from microimpact.model.dynamics.impact import simulate
 from study.declared.parameters import build
-from study.studies.experiments.mechanisms import Params
-from study.studies.experiments.mechanisms.slope import pair_rows
-from study.studies.samples import Sampling, contact_of
+from study.analyses.mechanisms.compute import Params
+from study.analyses.mechanisms.slope import pair_rows
+from study.samples import Sampling, contact_of
 
 
 @pytest.fixture(scope="module")

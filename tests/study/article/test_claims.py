@@ -17,10 +17,10 @@ from study.ledgers.claims import verdicts
 from study.ledgers.claims.criteria import read_claims
 from study.ledgers.claims.shares import shares
 from study.report.claim import judged
-from study.studies.analyses.doe.factors import elasticities
+from study.analyses.fig24_25_doe.factors import elasticities
 from study.studies.claims import NUMBER_COLUMNS, claim_numbers
 from study.studies.claims.claim_numbers import CLAIMS, numbers_of
-from study.studies.contacts import DRAWN, calibrated_contact
+from study.contacts import DRAWN, calibrated_contact
 from study.tables import NOT_COMPUTED, parse_table
 
 # All rest on tables that take long to make.

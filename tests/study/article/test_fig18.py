@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from microimpact.model.dynamics.normal import normal_impact
-from study.studies.contacts import calibrated_contact
+from study.contacts import calibrated_contact
 
 E = 0.70  # Section 2.4.1
 F = 0.15  # Section 2.4.1: plateau of the impulse ratio

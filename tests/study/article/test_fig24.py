@@ -8,8 +8,8 @@ import pytest
 from scipy.special import ndtri
 
 from microimpact.model.dynamics.capture import capture_velocity
-from study.studies.analyses.doe.factors import LETTERS, at_levels
-from study.studies.contacts import calibrated_contact
+from study.analyses.fig24_25_doe.factors import LETTERS, at_levels
+from study.contacts import calibrated_contact
 
 STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
 

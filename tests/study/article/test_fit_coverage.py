@@ -7,7 +7,7 @@ import pytest
 
 from microimpact import capture_velocity, restitution, simulate
 from study.declared.parameters import build
-from study.studies.models.fit_coverage import (
+from study.analyses.fit_coverage.compute import (
     PREDICTED,
     TRIED,
     Design,

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from microimpact.core.constants import gravity
-from study.studies.experiments.rival_explanations import uncorrected, weighed
+from study.analyses.rival_explanations.compute import uncorrected, weighed
 
 HEIGHT = 1e-3
 

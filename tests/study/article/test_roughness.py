@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from microimpact.model.rigid_body.roughness import energy_bound
-from study.studies.analyses.roughness_expansions import (
+from study.analyses.roughness_expansions.compute import (
     EQUATIONS,
     FORMS,
     SlopedImpacts,

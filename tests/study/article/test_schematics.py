@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.patches import FancyArrowPatch
 
 from microimpact.model.dynamics.trajectory import trajectory
-from study.studies.contacts import calibrated_contact
+from study.contacts import calibrated_contact
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from study.declared.parameters import build
-from study.studies.models.size_law import Params, error_of_one, exponents
+from study.analyses.size_law.compute import Params, error_of_one, exponents
 
 
 @pytest.fixture

@@ -24,7 +24,7 @@ from study.report.explorer.build import MATERIAL, page_files
 from study.report.site.figures import explored
 from study.report.site.ledgers import read_rows
 from study.report.site.pages import ASSETS
-from study.studies.contacts import calibrated_contact
+from study.contacts import calibrated_contact
 from study.tables import parse_table, read_table
 
 pytestmark = pytest.mark.slow

@@ -9,7 +9,7 @@ from tests.shared import USUAL
 
 from microimpact.lab.experiment import SpeedClass
 from microimpact.statistics.distributions import Constant
-from study.studies.experiments.campaign import (
+from study.analyses.campaign.compute import (
     Block,
     Counts,
     SizeRange,
@@ -17,7 +17,7 @@ from study.studies.experiments.campaign import (
     counts,
     expand,
 )
-from study.studies.laboratory import DeclaredSurface
+from study.laboratory import DeclaredSurface
 
 PARTICLES = {
     name: SizeRange(particle="steel", diameter_um=Constant(at=d), particle_slope=0.0, spin_sd=0.0)

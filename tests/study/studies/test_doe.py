@@ -24,7 +24,7 @@ from microimpact.statistics.effects import (
 )
 from study.declared.parameters import build, explain
 from study.studies.analyses import doe
-from study.studies.analyses.doe.factors import (
+from study.analyses.fig24_25_doe.factors import (
     LETTERS,
     Levels,
     at_levels,
@@ -32,7 +32,7 @@ from study.studies.analyses.doe.factors import (
     factor_values,
     realistic_levels,
 )
-from study.studies.contacts import calibrated_contact
+from study.contacts import calibrated_contact
 from study.tables import parse_table
 
 # 2^(5-2) of resolution III, D = AB and E = AC, written by hand.

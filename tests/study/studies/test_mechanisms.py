@@ -15,12 +15,12 @@ from microimpact.lab.reduction import EXACT
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.statistics.distributions import TruncatedNormal, generator
-from study.studies.experiments.mechanisms.impulse_regions import regions
-from study.studies.experiments.mechanisms.loss import rigid_loss
-from study.studies.experiments.mechanisms.spin import rolling_limit
-from study.studies.experiments.mechanisms.spore import off_centre
-from study.studies.experiments.pile_up import onset
-from study.studies.samples import Dropped, Sample, Sampling, difference_columns, half_width
+from study.analyses.mechanisms.impulse_regions import regions
+from study.analyses.mechanisms.loss import rigid_loss
+from study.analyses.mechanisms.spin import rolling_limit
+from study.analyses.mechanisms.spore import off_centre
+from study.analyses.pile_up.compute import onset
+from study.samples import Dropped, Sample, Sampling, difference_columns, half_width
 
 SAMPLING = Sampling(seed=5, impacts=800, events=40, angle_error_deg=0.25, dispenser=STILL)
 STEEL = Dropped(

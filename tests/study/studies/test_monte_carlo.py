@@ -18,8 +18,8 @@ from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.roughness import rough_rebound
 from microimpact.statistics.distributions import Constant, Normal, Uniform, generator
 from study.declared.parameters import build, explain
-from study.studies.analyses.monte_carlo import Params
-from study.studies.analyses.monte_carlo.ensembles import (
+from study.analyses.fig23_monte_carlo.compute import Params
+from study.analyses.fig23_monte_carlo.ensembles import (
     Ensemble,
     Plan,
     Process,
@@ -29,7 +29,7 @@ from study.studies.analyses.monte_carlo.ensembles import (
     replicate_shares,
     replicate_sums,
 )
-from study.studies.analyses.monte_carlo.slope_inference import SlopeInference, infer_slope
+from study.analyses.fig23_monte_carlo.slope_inference import SlopeInference, infer_slope
 
 SEED = 20011
 ARTICLE = Rules(facets="facing", must_leave=True, most_contacts=1)

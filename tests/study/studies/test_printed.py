@@ -8,7 +8,7 @@ from tests.shared import shipped
 
 from study.declared.references import merged
 from study.run.config import validate
-from study.studies.contacts import intervals, printed_beside
+from study.contacts import intervals, printed_beside
 
 STEEL = "stainless-steel-316", "silicon"
 

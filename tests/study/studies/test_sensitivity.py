@@ -13,8 +13,8 @@ from microimpact.model.calibration import two_stage
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.statistics.sobol import saltelli_sample, sobol_indices
-from study.studies.analyses.sensitivity import Draw, group_tables
-from study.studies.analyses.sensitivity.ridge import Targets, calibrated_sample, material_damping
+from study.analyses.sensitivity.compute import Draw, group_tables
+from study.analyses.sensitivity.ridge import Targets, calibrated_sample, material_damping
 
 
 def generator(*key):

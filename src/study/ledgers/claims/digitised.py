@@ -19,7 +19,7 @@ from study.tables import Row
 if TYPE_CHECKING:
     import pandas as pd
 
-CODE = "study.studies.analyses.digitised_comparison.run"
+CODE = "study.analyses.digitised_comparison.run"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

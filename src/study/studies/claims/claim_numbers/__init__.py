@@ -34,7 +34,7 @@ from study.studies.claims.claim_numbers import (
 )
 from study.studies.claims.claim_numbers.claim import CLAIMS, ascending, flat, params, rows
 from study.studies.claims.claim_numbers.context import Common, Context
-from study.studies.contacts import posterior_contact, posterior_rows
+from study.contacts import posterior_contact, posterior_rows
 from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Tables, reason
 
 __all__ = ["CLAIMS", "SECTIONS", "Params", "numbers_of", "run"]

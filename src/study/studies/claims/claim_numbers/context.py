@@ -29,8 +29,8 @@ from study.declared.parameters import (
     Positive,
     ScenarioName,
 )
-from study.studies.contacts import all_printed, calibrated_contact
-from study.studies.samples import Dropped, Sample, Sampling, Seen, contact_of, half_width
+from study.contacts import all_printed, calibrated_contact
+from study.samples import Dropped, Sample, Sampling, Seen, contact_of, half_width
 from study.tables import NotComputedError
 
 # Values, or `Estimate`, by quantity; by alternative and quantity, where the claim has alternatives

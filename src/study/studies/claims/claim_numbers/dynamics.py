@@ -33,8 +33,8 @@ from study.studies.claims.claim_numbers.experiments import ABOVE_CAPTURE
 from study.studies.claims.claim_numbers.experiments import POINTS as CURVE_POINTS
 from study.studies.claims.claim_numbers.oblique import sampled
 from study.studies.claims.claim_numbers.rigid_body import farthest
-from study.studies.contacts import DRAWN, calibrated_contact
-from study.studies.samples import Dropped, reduce_to
+from study.contacts import DRAWN, calibrated_contact
+from study.samples import Dropped, reduce_to
 
 # Factor by which each base unit (mass, length, time) is changed: a power of two is exact.
 UNIT_FACTOR = 2.0

@@ -31,8 +31,8 @@ from study.declared.parameters import (
 )
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers, of_share
-from study.studies.contacts import calibrated_contact
-from study.studies.experiments.pile_up import onset
+from study.contacts import calibrated_contact
+from study.analyses.pile_up.compute import onset
 
 # Ends of an interval of 95 %, of which the lower decides.
 LOWER_END = 0.025

@@ -38,10 +38,10 @@ from study.studies.claims.claim_numbers.context import (
     of_share,
     over_draws,
 )
-from study.studies.experiments.mechanisms.impulse_regions import REGION_ANGLES, regions
-from study.studies.experiments.mechanisms.loss import departures
-from study.studies.experiments.mechanisms.spin import rolling_limit
-from study.studies.samples import Dropped, half_width, in_class
+from study.analyses.mechanisms.impulse_regions import REGION_ANGLES, regions
+from study.analyses.mechanisms.loss import departures
+from study.analyses.mechanisms.spin import rolling_limit
+from study.samples import Dropped, half_width, in_class
 
 # Speeds in m/s between which that of capture is sought: none below, all above.
 SLOWEST, FASTEST = 1e-3, 1e2

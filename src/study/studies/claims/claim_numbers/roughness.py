@@ -15,13 +15,13 @@ from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.model.rigid_body.roughness import measured_impulse_ratio, measured_restitution
 from microimpact.statistics.distributions import Constant, mean
 from study.declared.parameters import AngleDegrees, CaseName, Finite, Fraction, NonNegative
-from study.studies.analyses.roughness_expansions import EQUATIONS, FORMS, SlopedImpacts
+from study.analyses.roughness_expansions.compute import EQUATIONS, FORMS, SlopedImpacts
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import AngleRange, Angles, Context, Numbers
 from study.studies.claims.claim_numbers.rigid_body import RESTITUTIONS
 from study.studies.claims.claim_numbers.spores import rise
-from study.studies.contacts import calibrated_contact
-from study.studies.samples import Dropped
+from study.contacts import calibrated_contact
+from study.samples import Dropped
 
 SOURCES = ("slope", "diameter", "speed", "spin")
 # Steps in which a range of angles is walked, degrees.

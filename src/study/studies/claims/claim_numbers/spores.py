@@ -19,7 +19,7 @@ from study.studies.claims.claim_numbers.context import (
     Numbers,
     SteepToShallow,
 )
-from study.studies.samples import Dropped
+from study.samples import Dropped
 
 
 @claim("C17")

@@ -1,0 +1,1 @@
+"""Capture velocity by competing laws, for declared and calibrated contacts and over diameter."""

@@ -1,0 +1,1 @@
+"""Normal impacts as the article's laboratory measures them: two sieve classes (Figs. 4 and 5)."""

@@ -1,0 +1,1 @@
+"""Impulse ratio against angle of incidence for Coulomb friction (Fig. 17, rigid body model)."""

@@ -1,0 +1,1 @@
+"""Inference of a contact from the article's statements, by several laws at once."""

@@ -1,0 +1,227 @@
+"""A pair whose contact is open: laws with their free parameters, statements, scenarios."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields, replace
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.model.choices import FrictionBasis
+from microimpact.model.contact import Contact
+from study.declared.parameters import (
+    Ascending,
+    CaseName,
+    Count,
+    CounterpartName,
+    Finite,
+    MaterialName,
+    Name,
+    NonNegative,
+    Positive,
+    PositiveRange,
+)
+from study.contacts import Kind, declared_contact
+from study.analyses.inference.statements import (
+    FRICTIONAL,
+    TURNING,
+    Statement,
+    Values,
+    log_mean,
+)
+from study.tables import Tables
+
+Parameter = Literal[
+    "work_of_adhesion_J_per_m2",
+    "hertz_damping_s_per_m",
+    "adhesion_damping_s_per_m",
+    "rate_exponent",
+    "viscous_time_ns",
+    "yield_pressure_GPa",
+    "unloading_over_loading_work",
+    "friction",
+]
+WORK: Parameter = "work_of_adhesion_J_per_m2"
+# Uniform before the statements; of the others the logarithm is, for not even their order is known.
+# What is lost in the material adds to the loss, so that no share of it is preferred.
+LINEAR = ("hertz_damping_s_per_m", "rate_exponent", "friction")
+Span = Annotated[tuple[NonNegative, Positive], Ascending]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Law:
+    """A law of contact, ranges of its free parameters, and normal forces that friction may take."""
+
+    law: Kind
+    ranges: dict[Parameter, Span]
+    fixed: dict[Parameter, NonNegative] = field(default_factory=dict)
+    friction_bases: Annotated[tuple[FrictionBasis | Literal["pull-off"], ...], Field(min_length=1)]
+
+    def parameters(self, points: FloatArray) -> dict[str, FloatArray]:
+        """Free parameters by name (n,) from points of the unit cube (n, axes)."""
+        named = {str(name): np.full(len(points), value) for name, value in self.fixed.items()}
+        for (name, (low, high)), share in zip(self.ranges.items(), points.T, strict=True):
+            linear = name in LINEAR
+            named[str(name)] = low + (high - low) * share if linear else low * (high / low) ** share
+        return named
+
+    def share(self, name: Parameter, value: float) -> float:
+        """Share of a parameter's range that lies below a value."""
+        low, high = self.ranges[name]
+        value = min(max(value, low), high)
+        if name in LINEAR:
+            return (value - low) / (high - low)
+        return float(np.log(value / low) / np.log(high / low))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scenario:
+    """Statements that do not count, and ranges narrower than those of the laws.
+
+    Given as a choice, what it does not name is as in the first scenario.
+    """
+
+    without: tuple[Name, ...] | None = None
+    within: dict[Parameter, Span] = field(default_factory=dict)
+    intervals: dict[Name, Annotated[tuple[Finite, Finite], Ascending]] = field(default_factory=dict)
+    tails: Positive = 1.0  # Factor of all tails
+    angle_error_deg: Positive | None = None  # In place of that of the pair
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """A pair, laws of its contact, and the statements printed about it."""
+
+    particle: MaterialName
+    surface: CounterpartName
+    # Where quantities are computed; the speed is the reference velocity of the rate exponent.
+    diameter_um: Positive
+    speed_m_per_s: Positive
+    classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
+    # Between the normal of the target and that of the camera, of an experiment; random slopes of
+    # the surface (standard deviation of the tangent), of which a mean over so many spheres has its
+    # part.
+    angle_error_deg: NonNegative
+    surface_slope: NonNegative
+    spheres: Count
+    laws: Annotated[dict[Name, Law], Field(min_length=1)]
+    statements: Annotated[dict[Name, Statement], Field(min_length=2)]
+    shown_m_per_s: PositiveRange  # Normal speeds of the figures
+    compared: tuple[CaseName, ...]  # Cases of the two-stage calibration to be compared with
+    scenarios: Annotated[dict[Name, Scenario], Field(min_length=1)]
+    choices: dict[Name, Scenario] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Refuse names of statements that there are none of, and a size without capture velocity.
+
+        Raises ValueError.
+        """
+        if self.diameter_um not in self.classes_um:
+            raise ValueError(
+                f"diameter_um: {self.diameter_um} must be one of classes_um {self.classes_um}"
+            )
+        for name, scenario in {**self.scenarios, **self.choices}.items():
+            named = {*(scenario.without or ()), *scenario.intervals}
+            if unknown := sorted(named - set(self.statements)):
+                raise ValueError(
+                    f"{name}: {unknown[0]!r} must be one of the statements {list(self.statements)}"
+                )
+
+    def rows(self) -> Iterator[tuple[str, str, Scenario]]:
+        """Kind, name and scenario of all that is computed: with one statement less, and choices."""
+        yield from (("scenario", name, each) for name, each in self.scenarios.items())
+        first = next(iter(self.scenarios.values()))
+        for name in counted(self, first):
+            yield "without", name, replace(first, without=(*(first.without or ()), name))
+        for name, choice in self.choices.items():
+            changes = {f.name: getattr(choice, f.name) for f in fields(choice)}
+            yield "choice", name, replace(first, **{k: v for k, v in changes.items() if v})
+
+    def normal_error(self, scenario: Scenario) -> float:
+        """Return the standard deviation of the mean normal of an experiment, rad."""
+        angle = scenario.angle_error_deg or self.angle_error_deg
+        return float(np.hypot(np.radians(angle), self.surface_slope / np.sqrt(self.spheres)))
+
+    def bare(self, inputs: Tables) -> Contact:
+        """Return the declared contact of the pair at the diameter, with its declared w_A."""
+        contact = declared_contact(inputs, self.particle, self.surface)
+        return contact.replace(
+            diameter=self.diameter_um * 1e-6,
+            work_of_adhesion=contact.work_of_adhesion,
+            reference_velocity=self.speed_m_per_s,
+        )
+
+
+def counted(case: Case, scenario: Scenario) -> list[str]:
+    """Names of the statements that count in a scenario."""
+    return [name for name in case.statements if name not in (scenario.without or ())]
+
+
+@dataclass(frozen=True, slots=True)
+class Likelihood:
+    """Log likelihood of contacts (n,), and of each basis of friction (n, bases)."""
+
+    total: FloatArray
+    by_basis: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """Values of contacts for the statements of a case, and their likelihoods, each made once."""
+
+    case: Case
+    values: Values
+    _logs: dict[tuple[Any, ...], FloatArray] = field(default_factory=dict)
+
+    def arguments(self, scenario: Scenario, name: str) -> tuple[Any, ...]:
+        """Value, interval, tails and error with which a statement counts."""
+        interval = scenario.intervals.get(name, self.case.statements[name].interval)
+        error = self.case.normal_error(scenario) * self.values.get(TURNING + name, 0.0)
+        return self.values[name], interval, scenario.tails, error
+
+    def log(self, scenario: Scenario, name: str) -> FloatArray:
+        """Log likelihood of a statement."""
+        key = (name, scenario.intervals.get(name), scenario.tails, scenario.angle_error_deg)
+        if key not in self._logs:
+            statement = self.case.statements[name]
+            self._logs[key] = statement.log_likelihood(*self.arguments(scenario, name))
+        return self._logs[key]
+
+    def misses(self, scenario: Scenario, name: str) -> BoolArray:
+        """Whether contacts (n,) miss a statement; of open angles, sizes and bases, one must do."""
+        missed = self.case.statements[name].misses(*self.arguments(scenario, name))
+        return missed if missed.ndim == 1 else np.all(missed, axis=1)
+
+    def likelihood(self, scenario: Scenario) -> Likelihood:
+        """Return the likelihood of a scenario; open angles, sizes and bases are alike before it.
+
+        Contacts that are outside of the ranges of the scenario have none.
+        """
+        total: FloatArray = np.zeros(len(self.values["capture"]))
+        by_basis = np.zeros((len(total), 1))
+        for name in counted(self.case, scenario):
+            log = self.log(scenario, name)
+            if self.case.statements[name].quantity in FRICTIONAL:
+                by_basis = by_basis + log
+            else:
+                total = total + log_mean(log)
+        total = total + log_mean(by_basis)
+        return Likelihood(np.where(inside(scenario, self.values), total, -np.inf), by_basis)
+
+
+def inside(scenario: Scenario, values: Values) -> BoolArray:
+    """Whether contacts (n,) are within the ranges of a scenario; a parameter the law lacks is."""
+    is_inside = np.ones(len(values["capture"]), bool)
+    for name, (low, high) in scenario.within.items():
+        if name in values:
+            is_inside &= (values[name] >= low) & (values[name] <= high)
+    return is_inside
+
+
+def prior_share(law: Law, scenario: Scenario) -> float:
+    """Share of a law's parameters that are within the ranges of a scenario."""
+    spans = [(n, ends) for n, ends in scenario.within.items() if n in law.ranges]
+    return float(np.prod([law.share(n, high) - law.share(n, low) for n, (low, high) in spans]))

@@ -1,0 +1,1 @@
+"""Oblique impacts measured by others, against a rigid and a compliant contact."""

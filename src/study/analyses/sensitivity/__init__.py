@@ -1,0 +1,1 @@
+"""Global sensitivity of the capture velocity: Sobol' indices beside the designed experiments."""

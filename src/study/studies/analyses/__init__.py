@@ -1,1 +1,0 @@
-"""Studies of Section 4 and beyond: rough surfaces, Monte Carlo, designed experiments."""
