@@ -61,10 +61,10 @@ def test_what_is_not_used_is_not_loaded():
 def test_the_parameters_of_all_studies_load_nothing_heavy():
     # All that the workflow reads when it starts.
     (found,) = loaded_after(
-        "from study import studies\n"
+        "from study import analyses\n"
         "from study.report.site import record\n"
         "from study.run import config\n"
-        "for name in studies.homes():\n    studies.study(name)"
+        "for name in analyses.homes():\n    analyses.analysis(name)"
     )
     assert "pandas" in found
     assert not found - {"numpy", "scipy", "pandas", "pydantic", "yaml"}

@@ -38,10 +38,10 @@ def _message(error: str) -> str:
         return _PLACE.sub("", error).strip()
     from microimpact.core.materials import declared_file
     from microimpact.core.nearest import nearest
-    from study import studies
+    from study import analyses
     from study.declared.documents import load
 
-    name, known = wrong[1], [*load(declared_file("figures.yaml")), *studies.homes()]
+    name, known = wrong[1], [*load(declared_file("figures.yaml")), *analyses.homes()]
     near = nearest(name, known) if "/" not in name else "; `snakemake --list` has the names"
     return f"{name}: no figure, rule or file of the study{near}"
 

@@ -20,6 +20,7 @@ from microimpact.lab.surface import LABORATORY, rough
 from microimpact.model.contact import Contact, resized
 from microimpact.statistics.distributions import Distribution, generator, mean
 from microimpact.statistics.intervals import student_half_width
+from study.contacts import calibrated_contact
 from study.declared.parameters import (
     CaseName,
     Count,
@@ -29,7 +30,6 @@ from study.declared.parameters import (
     Positive,
     PositiveRange,
 )
-from study.contacts import calibrated_contact
 from study.tables import Tables
 
 # Below this number of rebounds there is no mean.

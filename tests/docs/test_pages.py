@@ -10,8 +10,8 @@ import pytest
 from tests.docs.blocks import ROOT
 from tests.shared import settings_as_shipped
 
-from study.ledgers.claims.criteria import read_claims
-from study.ledgers.claims.words import bounds, readable
+from study.judge.criteria import read_claims
+from study.judge.words import bounds, readable
 from study.report.documents import LEDGERS, SUFFIX, PageError, deviations, pages, renew
 
 FULL = ROOT / "tests/reference/full"

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from tests.docs.blocks import PAGES, ROOT
 
-from study.ledgers.claims.criteria import read_claims
+from study.judge.criteria import read_claims
 from study.report.documents import verdict_counts
 from study.report.site.ledgers import counted, read_rows
 

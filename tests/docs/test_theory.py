@@ -6,7 +6,7 @@ import re
 
 from tests.docs.blocks import ROOT
 
-from study.ledgers.equations.forms import units_of
+from study.equations.forms import units_of
 
 SPELT = {"-": "", "rad": "", "J/m²": "J/m**2", "kg m²": "kg*m**2", "N s": "N*s"}
 

@@ -11,7 +11,7 @@ from tests.shared import ROOT, settings_as_shipped
 from study.declared.parameters import build
 from study.declared.selection import NamedTables
 from study.run.study import run_study
-from study.studies.claims import claim_numbers
+from study.claims.claim import claim_numbers
 from study.contacts import calibrated_contact, solved_contacts
 from study.tables import NotComputedError, not_computed, read_table, write_table
 

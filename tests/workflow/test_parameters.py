@@ -12,7 +12,7 @@ import pytest
 from tests.shared import ROOT
 from tests.workflow.conftest import TINY
 
-from study import studies
+from study import analyses
 from study.declared.documents import load
 from study.declared.parameters import build
 from study.declared.references import merged
@@ -67,11 +67,11 @@ def test_every_parameter_is_read(monkeypatch):
 
     @cache
     def tables(study):
-        needed = {table: tables(maker)[table] for table, maker in studies.needs(study).items()}
+        needed = {table: tables(maker)[table] for table, maker in analyses.needs(study).items()}
         rows = study_rows(study, settings, {})
         return run_with(study, settings.branches[study], rows, needed)
 
-    for study in studies.homes():
+    for study in analyses.homes():
         tables(study)
     unread = {(kind, name) for kind, name in declared - read if name not in CHOICES | in_words()}
     names = sorted(f"{kind.__module__}.{kind.__name__}.{name}" for kind, name in unread)

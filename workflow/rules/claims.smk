@@ -8,7 +8,7 @@ use rule study as claim_numbers with:
     """
     input:
         # Each claim names those it takes.
-        **tables(*studies.needs("claim_numbers")),
+        **tables(*analyses.needs("claim_numbers")),
     output:
         **tables("claim_numbers", "claim_draws"),
     pathvars:
@@ -48,11 +48,11 @@ rule claims:
         branch=SETTINGS.branches["claim_numbers"],
         changed={
             study: CHANGED[study]
-            for study in sorted({"claim_numbers", *studies.needs("claim_numbers").values()})
+            for study in sorted({"claim_numbers", *analyses.needs("claim_numbers").values()})
             if CHANGED
         },
         rests_on=digest_of_inputs("claim_numbers", "digitised_comparison"),
-        code=digest_of_code("study.ledgers.claims", script="judge_ledger.py"),
+        code=digest_of_code("study.judge", script="judge_ledger.py"),
     script:
         "../scripts/judge_ledger.py"
 
@@ -78,7 +78,7 @@ rule equations:
         ledger="equations",
         rows=SETTINGS.tables.of_pair("stainless-steel-316", "silicon"),
         code=digest_of_code(
-            "study.ledgers.equations",
+            "study.equations",
             script="judge_ledger.py",
             files=[PROJECT / "config/equations.yaml"],
         ),

@@ -38,10 +38,10 @@ os.environ.update(
 
 import closure
 
-from study import studies
+from study import analyses
 from microimpact.core.files import of_other_inputs
 from study.figures.registry import FORMATS
-from study.ledgers.claims.criteria import read_claims
+from study.judge.criteria import read_claims
 from study.report import explorer, site
 from study.report.site import record as site_record
 from study.declared.documents import load, located
@@ -112,7 +112,7 @@ def parameters(study):
         "branch": SETTINGS.branches[study],
         "rows": INPUTS.rows[study],
         "rests_on": digest_of_inputs(study),
-        "code": digest_of_code(studies.homes()[study], script="run_study.py"),
+        "code": digest_of_code(analyses.homes()[study], script="run_study.py"),
     }
 
 
@@ -130,7 +130,7 @@ def digest_of_inputs(*names):
         else:
             texts += [SETTINGS.branches[name], INPUTS.rows[name]]
             texts += [Path(path).read_text() for path in sample_files(SETTINGS.branches[name])]
-            texts += [digest_of_inputs(maker) for maker in sorted({*studies.needs(name).values()})]
+            texts += [digest_of_inputs(maker) for maker in sorted({*analyses.needs(name).values()})]
     return closure.digest(json.dumps(texts))
 
 

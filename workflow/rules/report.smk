@@ -47,7 +47,7 @@ rule report:
             project=PROJECT,
         ).plain(),
         # What each study needs is read, too.
-        code=digest_of_code(*studies.homes().values(), script="write_report.py", files=PAGES),
+        code=digest_of_code(*analyses.homes().values(), script="write_report.py", files=PAGES),
     script:
         "../scripts/write_report.py"
 

@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 from job import run
 
-from study import studies
+from study import analyses
 from study.declared.parameters import build
 from study.declared.selection import NamedTables
 from study.tables import (
@@ -32,7 +32,7 @@ def main(job: Any) -> str:
     made of the files ``parts`` is among the inputs of the study as one table. In place of what the
     inputs do not allow, tables that say why are written: it stops neither claims nor report.
     """
-    study = studies.study(job.params.study)
+    study = analyses.analysis(job.params.study)
     declared = {name: parse_table(text) for name, text in job.params.rows.items()}
     made = {name: path for name, path in job.input.items() if name not in OTHERS}
     inputs = NamedTables(declared | made)

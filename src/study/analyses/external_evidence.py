@@ -20,6 +20,7 @@ from microimpact.model.choices import TANGENTIAL_LAWS
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
+from study.contacts import calibrated_contact
 from study.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -27,7 +28,6 @@ from study.declared.parameters import (
     NonNegative,
     Positive,
 )
-from study.contacts import calibrated_contact
 from study.tables import Tables
 
 NEEDS = {

@@ -13,23 +13,23 @@ import yaml
 
 from microimpact.core.materials import declared_file
 from microimpact.core.nearest import nearest
-from study import studies
+from study import analyses
+from study.analyses.claim_numbers import CLAIMS, Params, draws_of, numbers_of
+from study.claims.context import Common
+from study.contacts import DRAWN
 from study.declared.parameters import build
 from study.declared.references import merged
-from study.ledgers.claims import verdicts, words
-from study.ledgers.claims.changed import Changed, with_inputs
-from study.ledgers.claims.criteria import Claim, ContactProperty, read_claims
-from study.ledgers.claims.independent import independent
-from study.ledgers.claims.shares import shares
+from study.judge import verdicts, words
+from study.judge.changed import Changed, with_inputs
+from study.judge.criteria import Claim, ContactProperty, read_claims
+from study.judge.independent import independent
+from study.judge.shares import shares
 from study.report.check.results import ResultsError
 from study.report.site.pages import render
 from study.report.site.record import read_record
 from study.run.changed import changed_inputs
 from study.run.config import study_rows
 from study.run.study import Made, settings_as_shipped
-from study.studies.claims.claim_numbers import CLAIMS, Params, draws_of, numbers_of
-from study.studies.claims.claim_numbers.context import Common
-from study.contacts import DRAWN
 from study.tables import Row, parse_table, read_table
 
 STUDY = "claim_numbers"
@@ -152,7 +152,7 @@ def tell(name: str, changes: Mapping[str, Any], results: Path, *, broken: bool =
     evidence = independent({name: claim.claim}, read_table(facts)) if facts else pd.DataFrame()
     function = CLAIMS[name].function
     where = f"{inspect.getsourcefile(function)}:{inspect.getsourcelines(function)[1]}"
-    makers = studies.needs(STUDY)
+    makers = analyses.needs(STUDY)
     source = str(folder or "computed now")
     if changes or contacts:
         source = f"computed now{f'; what rests on no change from {folder}' if folder else ''}"

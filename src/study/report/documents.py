@@ -21,8 +21,8 @@ import yaml
 from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
 from study.declared.documents import load
-from study.ledgers.claims.criteria import CLAIM_NAME, read_claims
-from study.ledgers.claims.words import agreement, drawn_share, quantities, readable, with_unit
+from study.judge.criteria import CLAIM_NAME, read_claims
+from study.judge.words import agreement, drawn_share, quantities, readable, with_unit
 from study.report.site.figures import label
 from study.report.site.ledgers import Row, by_claim, counted, read_rows
 from study.report.site.pages import render

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from study import studies
+from study import analyses
 from study.declared.selection import IN_STUDIES, TABLES
 from study.run.config import Settings
 
@@ -38,7 +38,7 @@ def changed_inputs(used: Settings, shipped: Settings) -> dict[str, dict[str, str
 
 def _resting(name: str) -> dict[str, None]:
     """Return a study and all that it needs."""
-    makers = dict.fromkeys(studies.needs(name).values())
+    makers = dict.fromkeys(analyses.needs(name).values())
     return {name: None} | {each: None for maker in makers for each in _resting(maker)}
 
 

@@ -23,17 +23,17 @@ from microimpact.core.plausible import implausible
 from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
 from microimpact.model.plausibility import doubt_of_input
 from microimpact.statistics.distributions import SampleFile, TruncatedNormal
-from study import studies
+from study import analyses
+from study.contacts import ALL_LAWS
 from study.declared.documents import ConfigError, load, located
 from study.declared.parameters import Known, Name, Seed, adapter, build, explain
 from study.declared.provenance import Declared, unit_of
 from study.declared.references import Resolver, merged
 from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
 from study.figures.registry import AS_SHIPPED, FigureSpec, filled, registry
+from study.laboratory import Laboratory
 from study.run.digitised import Digitised, as_rows, read_folder
 from study.run.stamp import changes
-from study.contacts import ALL_LAWS
-from study.laboratory import Laboratory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,9 +121,9 @@ def validate(
         Naming the dotted key of every problem, one line each.
     """
     _refuse(_no_mappings(config, SECTIONS))
-    names = tuple(only or studies.homes())
+    names = tuple(only or analyses.homes())
     resolver = Resolver(config, base, SECTIONS)
-    known_keys = [*GENERAL, *SECTIONS, *studies.homes()]
+    known_keys = [*GENERAL, *SECTIONS, *analyses.homes()]
     problems = [
         *(f"{k}: unknown key{nearest(str(k), known_keys)}" for k in config if k not in known_keys),
         *_no_mappings(config, names),
@@ -147,7 +147,7 @@ def validate(
         branch = {name: config[name]} if isinstance(config.get(name), Mapping) else {}
         params[name] = getattr(_sections(branches, branch, resolver, problems, known), name, None)
         problems += _unprinted(name, tables.printed_values)
-        named[name] = known.named + [("printed_values", key) for key in studies.printed(name)]
+        named[name] = known.named + [("printed_values", key) for key in analyses.printed(name)]
     wanted = {name for each in named.values() for sort, name in each if sort == "cases"}
     if laboratory and params.get(CALIBRATION):
         problems += [
@@ -249,9 +249,9 @@ def _contradictions(
     origins = {row.key: row.origin or row.key for row in rows}
     for name, settings in params.items():
         yield from _slips(settings, name, origins)
-        disagreements = getattr(studies.study(name), "disagreements", None)
+        disagreements = getattr(analyses.analysis(name), "disagreements", None)
         if settings and disagreements:
-            others = {maker: params.get(maker) for maker in studies.needs(name).values()}
+            others = {maker: params.get(maker) for maker in analyses.needs(name).values()}
             yield from (f"{name}.{line}" for line in disagreements(settings, others))
 
 
@@ -282,7 +282,7 @@ def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:
 
 def _unprinted(name: str, table: DeclaredTable) -> Iterator[str]:
     """Yield a line for each printed value that a study reads and the table lacks."""
-    for key in studies.printed(name):
+    for key in analyses.printed(name):
         if key not in table.names:
             yield f"{table.path}: {key}: missing; {name} reads it"
 
@@ -318,7 +318,7 @@ def _out_of_unit(rows: Iterable[Declared], units: Mapping[str, str]) -> Iterator
 @cache
 def _branches(names: tuple[str, ...]) -> type[Any]:
     """Return a dataclass of branches: a single validator of shared types takes half the time."""
-    parts = [(name, studies.study(name).Params, field(default=None)) for name in names]
+    parts = [(name, analyses.analysis(name).Params, field(default=None)) for name in names]
     return make_dataclass("Branches", parts, frozen=True)
 
 

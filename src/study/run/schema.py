@@ -19,17 +19,17 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
 from microimpact.core.files import write_file
-from study import studies
+from study import analyses
 from study.declared.parameters import adapter
 from study.declared.provenance import EVIDENCE
 from study.declared.references import FROM
+from study.equations.forms import ERRATA, SYMBOLS
+from study.equations.records import EQUATION_NAME, Equation
 from study.figures.registry import FIGURE_NAME, FigureSpec
-from study.ledgers.claims.criteria import CLAIM_NAME, DIGITISED, Claim
-from study.ledgers.claims.digitised import DigitisedCriteria
-from study.ledgers.equations.forms import ERRATA, SYMBOLS
-from study.ledgers.equations.records import EQUATION_NAME, Equation
-from study.run.config import General
+from study.judge.criteria import CLAIM_NAME, DIGITISED, Claim
+from study.judge.digitised import DigitisedCriteria
 from study.laboratory import Laboratory
+from study.run.config import General
 
 Schema = dict[str, Any]
 
@@ -92,7 +92,7 @@ def schemas() -> dict[str, Schema]:
         for kind in (General, Laboratory)
         for key, hint in get_type_hints(kind, include_extras=True).items()
     ]
-    keys += [(name, studies.study(name).Params) for name in studies.homes()]
+    keys += [(name, analyses.analysis(name).Params) for name in analyses.homes()]
     configuration = make_dataclass("Configuration", keys, kw_only=True)
     claims = _registry(CLAIM_NAME, Claim)
     claims["properties"] = {DIGITISED: _generated(DigitisedCriteria)}

@@ -13,7 +13,7 @@ import numpy as np
 
 from microimpact.core.materials import declared_file
 from microimpact.core.nearest import nearest
-from study import studies
+from study import analyses
 from study.declared.parameters import build
 from study.declared.references import merged
 from study.declared.selection import TABLES, NamedTables
@@ -59,12 +59,12 @@ def run_study(
     >>> sorted(smaller)
     ['fig20', 'force_ratios']
     """
-    if name not in studies.homes():
-        raise ValueError(f"{name!r} is no study{nearest(str(name), studies.homes())}")
+    if name not in analyses.homes():
+        raise ValueError(f"{name!r} is no study{nearest(str(name), analyses.homes())}")
     frames: Any = tables or {}
     if not isinstance(frames, Mapping) or not all(hasattr(t, "columns") for t in frames.values()):
         raise ValueError(f"{tables!r} must be tables of studies by name; parameters are keywords")
-    parameters = {field.name for field in fields(studies.study(name).Params)}
+    parameters = {field.name for field in fields(analyses.analysis(name).Params)}
     for key in changes:
         if key in SECTIONS and key not in parameters:
             raise ValueError(f"{key}: is shared by all studies: an overlay changes it, not {name}")
@@ -72,7 +72,7 @@ def run_study(
     settings = _settings(name, text) if changes else settings_as_shipped()
     rows = study_rows(name, settings, {})
     inputs = dict(tables or {})
-    for table, maker in studies.needs(name).items():
+    for table, maker in analyses.needs(name).items():
         if table not in inputs:
             inputs[table] = _made(maker)[table].copy()
     return run_with(name, settings.branches[name], rows, inputs)
@@ -101,7 +101,7 @@ def run_with(
     tables
         Tables of earlier studies by name.
     """
-    study = studies.study(name)
+    study = analyses.analysis(name)
     inputs = NamedTables({key: parse_table(text) for key, text in rows.items()} | {**tables})
     made: dict[str, pd.DataFrame] = dict(study.run(build(study.Params, branch), inputs))
     return made
@@ -133,14 +133,14 @@ class Made(dict[str, "pd.DataFrame"]):
             validate(merged(_shipped(), changes), _shipped()) if changes else settings_as_shipped()
         )
         self.results = results
-        self.makers = dict(studies.needs(name))
+        self.makers = dict(analyses.needs(name))
 
     def __missing__(self, table: str) -> pd.DataFrame:
         """Return a table, and keep it with all others of its study."""
         maker = self.makers[table]
         if self.moved(maker):
-            self.makers |= studies.needs(maker)
-            needed = {name: self[name] for name in studies.needs(maker)}
+            self.makers |= analyses.needs(maker)
+            needed = {name: self[name] for name in analyses.needs(maker)}
             rows = study_rows(maker, self.settings, {})
             self.update(run_with(maker, self.settings.branches[maker], rows, needed))
         elif self.results:
@@ -152,7 +152,7 @@ class Made(dict[str, "pd.DataFrame"]):
     def moved(self, name: str) -> bool:
         """Return whether a study, or one that it needs, has changed parameters."""
         changed = self.settings.branches[name] != settings_as_shipped().branches[name]
-        return changed or any(self.moved(maker) for maker in set(studies.needs(name).values()))
+        return changed or any(self.moved(maker) for maker in set(analyses.needs(name).values()))
 
 
 @cache

@@ -19,12 +19,12 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics import impact as impact_module
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.roughness import measured_restitution
-from study import studies
+from study import analyses
 from study.declared.parameters import build
 from study.report.claim import with_contacts
-from study.studies.analyses import doe
+from study.analyses.fig24_25_doe import compute as doe
 from study.analyses.fig24_25_doe.factors import realistic_levels
-from study.studies.claims.claim_numbers import (
+from study.analyses.claim_numbers import (
     Params,
     dynamics,
     numbers_of,
@@ -33,10 +33,10 @@ from study.studies.claims.claim_numbers import (
     roughness,
 )
 from study.contacts import calibrated_contact
-from study.studies.experiments import mechanisms
+from study.analyses.mechanisms import compute as mechanisms
 from study.analyses.mechanisms.compute import spore as spore_mechanism
 from study.analyses.mechanisms.shallow import adhesion_or_roughness, shallow_curves
-from study.studies.models import calibration as calibration_study
+from study.analyses.calibration import compute as calibration_study
 
 STEEL = ("steel-silicon, n = 0", "steel-silicon, n = 1")
 MOLYBDENUM = "fluorescein-molybdenum, nominal"
@@ -69,7 +69,7 @@ class World:
 
     def study(self, name, tables, **changes):
         """Run another study with some tables changed."""
-        known = {table: self.inputs[table] for table in studies.needs(name) if table in self.inputs}
+        known = {table: self.inputs[table] for table in analyses.needs(name) if table in self.inputs}
         return dict(self.run_study(name, known | tables, **changes))
 
 

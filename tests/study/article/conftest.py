@@ -11,7 +11,7 @@ from tests.shared import ROOT
 import study
 from study.declared.documents import load
 from study.figures.registry import filled, registry
-from study.ledgers.claims.criteria import read_claims
+from study.judge.criteria import read_claims
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from study.declared.parameters import build
-from study.studies.experiments import campaign as study
+from study.analyses.campaign import compute as study
 from study.analyses.campaign.compute import FATES
 from study.tables import NotComputedError, computed, parse_table
 

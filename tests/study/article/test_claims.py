@@ -10,16 +10,16 @@ import pytest
 from tests.shared import ROOT, tables_made_once
 from tests.study.article.claim_breaks import BREAKS, STEEL, World
 
-from study import studies
+from study import analyses
 from study.declared.parameters import build
 from study.declared.references import merged
-from study.ledgers.claims import verdicts
-from study.ledgers.claims.criteria import read_claims
-from study.ledgers.claims.shares import shares
+from study.judge import verdicts
+from study.judge.criteria import read_claims
+from study.judge.shares import shares
 from study.report.claim import judged
 from study.analyses.fig24_25_doe.factors import elasticities
-from study.studies.claims import NUMBER_COLUMNS, claim_numbers
-from study.studies.claims.claim_numbers import CLAIMS, numbers_of
+from study.claims.claim import NUMBER_COLUMNS, claim_numbers
+from study.analyses.claim_numbers import CLAIMS, numbers_of
 from study.contacts import DRAWN, calibrated_contact
 from study.tables import NOT_COMPUTED, parse_table
 
@@ -49,7 +49,7 @@ def branch(settings):
 def inputs(made, settings):
     """Declared rows and the tables of earlier studies."""
     rows = settings.rows["claim_numbers"]
-    tables = {name: made(maker)[name] for name, maker in studies.needs("claim_numbers").items()}
+    tables = {name: made(maker)[name] for name, maker in analyses.needs("claim_numbers").items()}
     return {key: parse_table(text) for key, text in rows.items()} | tables
 
 

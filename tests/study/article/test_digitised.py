@@ -12,7 +12,7 @@ from tests.shared import ROOT
 
 from microimpact.model.empirical.equations import restitution
 from study.figures import style
-from study.ledgers.claims.digitised import digitised_rows, read_digitised
+from study.judge.digitised import digitised_rows, read_digitised
 from study.run.digitised import as_rows, overlaid, read_points
 from study.analyses.digitised_comparison import is_named
 from study.tables import parse_table, series_frame

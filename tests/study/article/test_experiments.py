@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from study.declared.parameters import build
-from study.studies.experiments import campaign
+from study.analyses.campaign import compute as campaign
 from study.tables import parse_table
 
 

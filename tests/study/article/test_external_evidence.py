@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.studies.analyses import external_evidence
+from study.analyses import external_evidence
 
 
 @pytest.fixture(scope="module")

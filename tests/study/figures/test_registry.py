@@ -10,7 +10,7 @@ from tests.shared import ROOT
 from study.declared.documents import ConfigError, load
 from study.figures.registry import RegistryError, figure_spec, filled, registry
 from study.figures.style import new_figure
-from study.ledgers.equations import EQUATIONS
+from study.equations import EQUATIONS
 
 ENTRIES = load(ROOT / "config/figures.yaml")
 

@@ -6,7 +6,7 @@ import pytest
 from tests.shared import shipped
 
 from study.declared.references import merged
-from study.ledgers.claims.changed import OF_ANOTHER, with_inputs
+from study.judge.changed import OF_ANOTHER, with_inputs
 from study.run.changed import changed_inputs
 from study.run.config import validate
 

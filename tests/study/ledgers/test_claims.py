@@ -7,13 +7,13 @@ import pandas as pd
 import pytest
 
 from study.declared.parameters import build
-from study.ledgers.claims import COLUMNS, LedgerError, judge, verdicts
-from study.ledgers.claims.criteria import Claim, ClaimsError
-from study.ledgers.claims.digitised import DigitisedCriteria, digitised_rows
-from study.ledgers.claims.independent import AGREES, DISAGREES, SPLIT, agreements, independent
-from study.ledgers.claims.judging import RESULT_COLUMNS
-from study.ledgers.claims.words import agreement
-from study.studies.claims import NUMBER_COLUMNS
+from study.judge import COLUMNS, LedgerError, judge, verdicts
+from study.judge.criteria import Claim, ClaimsError
+from study.judge.digitised import DigitisedCriteria, digitised_rows
+from study.judge.independent import AGREES, DISAGREES, SPLIT, agreements, independent
+from study.judge.judging import RESULT_COLUMNS
+from study.judge.words import agreement
+from study.claims.claim import NUMBER_COLUMNS
 
 
 def claim(**changes):

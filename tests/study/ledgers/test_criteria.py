@@ -11,8 +11,8 @@ import yaml
 from tests.shared import ROOT, settings_as_shipped
 
 from study.declared.documents import ConfigError
-from study.ledgers.claims.criteria import ClaimsError, Criterion, read_claims
-from study.ledgers.claims.digitised import read_digitised
+from study.judge.criteria import ClaimsError, Criterion, read_claims
+from study.judge.digitised import read_digitised
 
 
 def holds(criterion, value):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.shared import settings_as_shipped
 
-from study.ledgers.equations import (
+from study.equations import (
     EQUATIONS,
     PROOFS,
     agreement,
@@ -19,8 +19,8 @@ from study.ledgers.equations import (
     row,
     verdict,
 )
-from study.ledgers.equations.forms import DimensionError, check_dimensions, evaluate, parse
-from study.ledgers.equations.records import At
+from study.equations.forms import DimensionError, check_dimensions, evaluate, parse
+from study.equations.records import At
 from study.tables import parse_table
 
 CORRECTED = [equation for equation in EQUATIONS.values() if equation.used]

@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 from tests.study.ledgers.test_claims import CLAIMS, claim, numbers, residuals
 
-from study.ledgers.claims import judge, verdicts
-from study.ledgers.claims.judging import judged
-from study.ledgers.claims.shares import NUMBERS, Share, separation, shares
+from study.judge import judge, verdicts
+from study.judge.judging import judged
+from study.judge.shares import NUMBERS, Share, separation, shares
 
 COLUMNS = ["claim", "contact", "scenario", "law", "draw", "alternative", "quantity", "value"]
 CASES = {"cases": ["a", "b"]}

@@ -10,7 +10,7 @@ from html import unescape
 import pytest
 from fontTools.ttLib import TTFont
 
-from study.ledgers.equations import EQUATIONS
+from study.equations import EQUATIONS
 from study.report.site.formula import mathml, prose
 from study.report.site.pages import ASSETS
 

@@ -14,9 +14,9 @@ import pytest
 from click.testing import CliRunner
 from tests.study.report.pages import Page
 
-from study import studies
+from study import analyses
 from study.declared.provenance import EVIDENCE
-from study.ledgers.claims import COLUMNS
+from study.judge import COLUMNS
 from study.report.check.results import ResultsError
 from study.report.commands import commands
 from study.report.site import PAGES
@@ -243,10 +243,10 @@ def test_a_record_is_read_again_and_refused_where_it_lacks_a_part(few):
 
 def test_a_figure_rests_on_the_studies_that_its_study_needs():
     assert upstream("calibration") == ()
-    for study in studies.homes():
+    for study in analyses.homes():
         chain = upstream(study)
         assert len(set(chain)) == len(chain)
-        assert {m for name in (study, *chain) for m in studies.needs(name).values()} == set(chain)
+        assert {m for name in (study, *chain) for m in analyses.needs(name).values()} == set(chain)
 
 
 def test_a_claim_rests_on_the_departures_of_its_own_studies_alone():

@@ -9,7 +9,7 @@ import jsonschema
 import pytest
 from tests.shared import ROOT, shipped
 
-from study import studies
+from study import analyses
 from study.declared.documents import ConfigError, load
 from study.declared.references import merged
 from study.run.config import validate
@@ -37,7 +37,7 @@ def lines(config):
 
 def test_shipped_configuration_is_valid_and_every_number_has_evidence_and_source():
     settings = validate(BASE, BASE)
-    assert set(settings.branches) == set(studies.homes())
+    assert set(settings.branches) == set(analyses.homes())
     assert settings.declared
     for row in settings.declared:
         assert row.evidence != "user", row.key

@@ -9,7 +9,7 @@ from tests.shared import ROOT, settings_as_shipped, shipped
 
 from study.declared.documents import load
 from study.declared.references import merged
-from study.ledgers.claims.changed import OF_ANOTHER, with_inputs
+from study.judge.changed import OF_ANOTHER, with_inputs
 from study.run.changed import changed_inputs
 from study.run.config import read_inputs, validate
 

@@ -23,7 +23,7 @@ from microimpact.statistics.effects import (
     words,
 )
 from study.declared.parameters import build, explain
-from study.studies.analyses import doe
+from study.analyses.fig24_25_doe import compute as doe
 from study.analyses.fig24_25_doe.factors import (
     LETTERS,
     Levels,

@@ -27,6 +27,11 @@ from microimpact.model.calibration import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
+from study.contacts import (
+    CAPTURE_VELOCITIES,
+    declared_contact,
+    printed_capture_velocity,
+)
 from study.declared.parameters import (
     CaseName,
     CounterpartName,
@@ -34,11 +39,6 @@ from study.declared.parameters import (
     MaterialName,
     NonNegative,
     Positive,
-)
-from study.contacts import (
-    CAPTURE_VELOCITIES,
-    declared_contact,
-    printed_capture_velocity,
 )
 from study.tables import (
     NOT_COMPUTED,

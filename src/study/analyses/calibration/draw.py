@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, WORK_OF_ADHESION, Figure, Series
+from study.figures.declaration import (
+    NORMAL_SPEED,
+    RESTITUTION,
+    TWO_STAGES,
+    WORK_OF_ADHESION,
+    Figure,
+    Series,
+)
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
-
-
 
 
 @Figure(
@@ -45,7 +50,13 @@ if TYPE_CHECKING:
 def draw_ridge(sheet: Sheet) -> None:
     """Draw it (was study.figures.models.curves.draw)."""
     ridge, curves = sheet.panels()
-    ridge.set(xscale="log", xlim=(0.04, 6.0), ylim=(0.0, 0.15), xlabel=WORK_OF_ADHESION, ylabel=sheet.fill("Largest $|e - [[two_stage.restitution:.2f]]|$"))
+    ridge.set(
+        xscale="log",
+        xlim=(0.04, 6.0),
+        ylim=(0.0, 0.15),
+        xlabel=WORK_OF_ADHESION,
+        ylabel=sheet.fill("Largest $|e - [[two_stage.restitution:.2f]]|$"),
+    )
     curves.set(xlim=(0.0, 3.2), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
     sheet.steps(ridge.xaxis, 1.0)
     looks_ridge = {

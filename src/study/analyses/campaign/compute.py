@@ -32,6 +32,7 @@ from microimpact.lab.reduction import interval_columns, quantities
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.intervals import mean_and_error
+from study.contacts import pair_of
 from study.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -42,7 +43,6 @@ from study.declared.parameters import (
     Name,
     NonNegative,
 )
-from study.contacts import pair_of
 from study.laboratory import DeclaredSurface
 from study.samples import Dropped, contact_of
 from study.tables import Tables, series_frame

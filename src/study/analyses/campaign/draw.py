@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 
-
-
 @Figure(
     "campaign_map",
     "All experiments of the campaign",
@@ -39,7 +37,9 @@ if TYPE_CHECKING:
 )
 def draw_campaign_map(sheet: Sheet) -> None:
     """Draw it (was study.figures.experiments.campaign.draw)."""
-    (ax,) = sheet.panels(xlim=(0.0, 1.0), ylim=(0.0, 1.0), xlabel=ANGLE, ylabel="Particles and surface")
+    (ax,) = sheet.panels(
+        xlim=(0.0, 1.0), ylim=(0.0, 1.0), xlabel=ANGLE, ylabel="Particles and surface"
+    )
     looks_ax = {
         "too few events": Series("fewer than [[stop.fewest_events]] events"),
     }

@@ -27,13 +27,13 @@ from microimpact.model.closed_forms import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from study.declared.parameters import CaseName, Points, Positive
 from study.contacts import (
     CAPTURE_VELOCITIES,
     calibrated_contact,
     fitted_to,
     printed_capture_velocity,
 )
+from study.declared.parameters import CaseName, Points, Positive
 from study.tables import NotComputedError, Row, Tables, result_evidence, series_frame
 
 NEEDS = {"calibration": ("calibration",)}

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import Figure, Series
+from study.figures.declaration import Figure
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
-
-
 
 
 @Figure(
@@ -156,7 +154,11 @@ def draw_fig03(sheet: Sheet) -> None:
         Fig. 3. Friction opposes the slip of the contact point C: its impulse is mu times
         the normal one. The model leaves out the impulsive moment M.
     """,
-    {"before": "before the impact", "impulse": "impulses during contact", "after": "after the impact"},
+    {
+        "before": "before the impact",
+        "impulse": "impulses during contact",
+        "after": "after the impact",
+    },
     data=("fig13",),
     equations="4, 6, 7, 8",
     article="Impulses and velocities on a sphere in the rigid body model.",

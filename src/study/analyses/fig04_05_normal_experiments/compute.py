@@ -21,6 +21,7 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution, generator, mean
 from microimpact.statistics.intervals import mean_and_error
+from study.contacts import calibrated_contact, pair_of, printed_beside
 from study.declared.parameters import (
     CaseName,
     ExperimentSeed,
@@ -29,7 +30,6 @@ from study.declared.parameters import (
     Points,
     Positive,
 )
-from study.contacts import calibrated_contact, pair_of, printed_beside
 from study.tables import Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",)}

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import ENERGY_LOSS, NORMAL_SPEED, PILE_UP, RESTITUTION, TWO_STAGES, Figure, Series
+from study.figures.declaration import (
+    ENERGY_LOSS,
+    NORMAL_SPEED,
+    PILE_UP,
+    RESTITUTION,
+    TWO_STAGES,
+    Figure,
+    Series,
+)
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
@@ -17,7 +25,9 @@ CLASSES = {
     "SST65 mean size": Series("SST65, mean size, [[case]]", 0, line="dashed"),
     "SST125 mean size": Series("SST125, mean size, [[case]]", 1, line="dashdot"),
     "SST65 sieve, other end": Series("SST65, all that rebound, [[other_case]]", 0, line="dotted"),
-    "SST125 sieve, other end": Series("SST125, all that rebound, [[other_case]]", 1, line="dashdotdot"),
+    "SST125 sieve, other end": Series(
+        "SST125, all that rebound, [[other_case]]", 1, line="dashdotdot"
+    ),
 }
 
 

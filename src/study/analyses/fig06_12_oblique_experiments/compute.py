@@ -22,6 +22,7 @@ from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.statistics.distributions import child, generator, mean
 from microimpact.statistics.intervals import mean_and_error
+from study.contacts import intervals, printed_beside
 from study.declared.parameters import (
     AngleDegrees,
     Count,
@@ -33,7 +34,6 @@ from study.declared.parameters import (
     Points,
     PrintedName,
 )
-from study.contacts import intervals, printed_beside
 from study.samples import Dropped, contact_of, in_class
 from study.tables import Tables, series_frame
 

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import ENERGY_LOSS, IMPULSE_RATIO, RESTITUTION, TWO_STAGES, Figure, Series
+from study.figures.declaration import (
+    ENERGY_LOSS,
+    IMPULSE_RATIO,
+    RESTITUTION,
+    TWO_STAGES,
+    Figure,
+    Series,
+)
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
-
-
 
 
 @Figure(
@@ -69,7 +74,9 @@ def draw_fig06(sheet: Sheet) -> None:
         "silicon front": Series("front of [[series.silicon front.case.surface]]", 0),
         "silicon back": Series("back of [[series.silicon back.case.surface]]", 1, open=True),
         "silicon front, smooth": Series("front of [[series.silicon front.case.surface]]", 0),
-        "silicon back, smooth": Series("back of [[series.silicon back.case.surface]]", 1, line="dotted"),
+        "silicon back, smooth": Series(
+            "back of [[series.silicon back.case.surface]]", 1, line="dotted"
+        ),
         "silicon back, all rebounds": Series("back, all rebounds", 1, line="dashed"),
         "printed, exceeded below": Series("back", 1, side="right", beside=20),
         "printed, smooth": Series("_p", 0),
@@ -80,7 +87,9 @@ def draw_fig06(sheet: Sheet) -> None:
         "silicon front": Series("front of [[series.silicon front.case.surface]]", 0),
         "silicon back": Series("back of [[series.silicon back.case.surface]]", 1, open=True),
         "silicon front, smooth": Series("front of [[series.silicon front.case.surface]]", 0),
-        "silicon back, smooth": Series("back of [[series.silicon back.case.surface]]", 1, line="dotted"),
+        "silicon back, smooth": Series(
+            "back of [[series.silicon back.case.surface]]", 1, line="dotted"
+        ),
         "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
         "printed plateau": Series("_printed", 6),
     }
@@ -89,7 +98,9 @@ def draw_fig06(sheet: Sheet) -> None:
         "silicon front": Series("front of [[series.silicon front.case.surface]]", 0),
         "silicon back": Series("back of [[series.silicon back.case.surface]]", 1, open=True),
         "silicon front, smooth": Series("front of [[series.silicon front.case.surface]]", 0),
-        "silicon back, smooth": Series("back of [[series.silicon back.case.surface]]", 1, line="dotted"),
+        "silicon back, smooth": Series(
+            "back of [[series.silicon back.case.surface]]", 1, line="dotted"
+        ),
     }
     sheet.draw(energy_loss, looks_energy_loss, fixed=True)
     sheet.keys()
@@ -147,7 +158,9 @@ def draw_fig07(sheet: Sheet) -> None:
         "mirror front": Series("front of [[series.mirror front.case.surface]]", 0),
         "mirror back": Series("back of [[series.mirror back.case.surface]]", 1, open=True),
         "mirror front, smooth": Series("front of [[series.mirror front.case.surface]]", 0),
-        "mirror back, smooth": Series("back of [[series.mirror back.case.surface]]", 1, line="dotted"),
+        "mirror back, smooth": Series(
+            "back of [[series.mirror back.case.surface]]", 1, line="dotted"
+        ),
         "mirror back, all rebounds": Series("back, all rebounds", 1, line="dashed"),
         "printed, front": Series("front", 0, side="above", beside=65),
     }
@@ -156,7 +169,9 @@ def draw_fig07(sheet: Sheet) -> None:
         "mirror front": Series("front of [[series.mirror front.case.surface]]", 0),
         "mirror back": Series("back of [[series.mirror back.case.surface]]", 1, open=True),
         "mirror front, smooth": Series("front of [[series.mirror front.case.surface]]", 0),
-        "mirror back, smooth": Series("back of [[series.mirror back.case.surface]]", 1, line="dotted"),
+        "mirror back, smooth": Series(
+            "back of [[series.mirror back.case.surface]]", 1, line="dotted"
+        ),
         "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
     }
     sheet.draw(impulse_ratio, looks_impulse_ratio, fixed=True)
@@ -164,7 +179,9 @@ def draw_fig07(sheet: Sheet) -> None:
         "mirror front": Series("front of [[series.mirror front.case.surface]]", 0),
         "mirror back": Series("back of [[series.mirror back.case.surface]]", 1, open=True),
         "mirror front, smooth": Series("front of [[series.mirror front.case.surface]]", 0),
-        "mirror back, smooth": Series("back of [[series.mirror back.case.surface]]", 1, line="dotted"),
+        "mirror back, smooth": Series(
+            "back of [[series.mirror back.case.surface]]", 1, line="dotted"
+        ),
     }
     sheet.draw(energy_loss, looks_energy_loss, fixed=True)
     sheet.keys()
@@ -215,14 +232,33 @@ def draw_fig08(sheet: Sheet) -> None:
     sheet.over_angle(ax)
     looks_ax = {
         "1.60 m/s": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True),
-        "0.45 m/s": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"),
-        "0.45 m/s, spun": Series("class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$", 3, mark="triangle", open=True),
+        "1.05 m/s": Series(
+            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True
+        ),
+        "0.45 m/s": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"
+        ),
+        "0.45 m/s, spun": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$",
+            3,
+            mark="triangle",
+            open=True,
+        ),
         "1.60 m/s, smooth": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s, smooth": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"),
-        "0.45 m/s, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
-        "0.45 m/s, spun, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
-        "0.45 m/s, all rebounds": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]], all rebounds", 2, line="long dashed"),
+        "1.05 m/s, smooth": Series(
+            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"
+        ),
+        "0.45 m/s, smooth": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
+        ),
+        "0.45 m/s, spun, smooth": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
+        ),
+        "0.45 m/s, all rebounds": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]], all rebounds",
+            2,
+            line="long dashed",
+        ),
         "printed, 85 deg": Series("printed, fastest class", 0),
         "printed, 25 deg": Series("_p", 0),
     }
@@ -273,13 +309,28 @@ def draw_fig09(sheet: Sheet) -> None:
     sheet.over_angle(ax)
     looks_ax = {
         "1.60 m/s": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True),
-        "0.45 m/s": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"),
-        "0.45 m/s, spun": Series("class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$", 3, mark="triangle", open=True),
+        "1.05 m/s": Series(
+            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True
+        ),
+        "0.45 m/s": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"
+        ),
+        "0.45 m/s, spun": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$",
+            3,
+            mark="triangle",
+            open=True,
+        ),
         "1.60 m/s, smooth": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s, smooth": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"),
-        "0.45 m/s, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
-        "0.45 m/s, spun, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
+        "1.05 m/s, smooth": Series(
+            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"
+        ),
+        "0.45 m/s, smooth": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
+        ),
+        "0.45 m/s, spun, smooth": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
+        ),
         "Coulomb friction": Series("Coulomb friction, no spin", 6, line="dashed"),
         "printed plateau": Series("ends of the printed plateau", 6),
     }
@@ -322,13 +373,28 @@ def draw_fig10(sheet: Sheet) -> None:
     sheet.over_angle(ax)
     looks_ax = {
         "1.60 m/s": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True),
-        "0.45 m/s": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"),
-        "0.45 m/s, spun": Series("class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$", 3, mark="triangle", open=True),
+        "1.05 m/s": Series(
+            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True
+        ),
+        "0.45 m/s": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"
+        ),
+        "0.45 m/s, spun": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$",
+            3,
+            mark="triangle",
+            open=True,
+        ),
         "1.60 m/s, smooth": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s, smooth": Series("class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"),
-        "0.45 m/s, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
-        "0.45 m/s, spun, smooth": Series("class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"),
+        "1.05 m/s, smooth": Series(
+            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"
+        ),
+        "0.45 m/s, smooth": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
+        ),
+        "0.45 m/s, spun, smooth": Series(
+            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
+        ),
     }
     sheet.draw(ax, looks_ax, fixed=True)
     sheet.keys()
@@ -388,7 +454,9 @@ def draw_fig11(sheet: Sheet) -> None:
         "silicon front": Series("[[series.silicon front.case.particle]]", 0, open=True),
         "spore on silicon, smooth": Series("[[series.spore on silicon.case.particle]]", 1),
         "silicon front, smooth": Series("[[series.silicon front.case.particle]]", 0, line="dotted"),
-        "spore on silicon, all rebounds": Series("[[series.spore on silicon.case.particle]], all rebounds", 1, line="dashed"),
+        "spore on silicon, all rebounds": Series(
+            "[[series.spore on silicon.case.particle]], all rebounds", 1, line="dashed"
+        ),
         "printed, spore, 48 deg": Series("_p", 1),
         "printed, spore, 38 deg": Series("_p", 1),
     }
@@ -461,9 +529,15 @@ def draw_fig12(sheet: Sheet) -> None:
         "spore on Formica": Series("[[series.spore on Formica.case.particle]]", 1),
         "steel on Formica": Series("[[series.steel on Formica.case.particle]]", 0, open=True),
         "spore on Formica, smooth": Series("[[series.spore on Formica.case.particle]]", 1),
-        "steel on Formica, smooth": Series("[[series.steel on Formica.case.particle]]", 0, line="dotted"),
-        "spore on Formica, all rebounds": Series("[[series.spore on Formica.case.particle]], all rebounds", 1, line="dashdot"),
-        "steel on Formica, all rebounds": Series("[[series.steel on Formica.case.particle]], all rebounds", 0, line="dashed"),
+        "steel on Formica, smooth": Series(
+            "[[series.steel on Formica.case.particle]]", 0, line="dotted"
+        ),
+        "spore on Formica, all rebounds": Series(
+            "[[series.spore on Formica.case.particle]], all rebounds", 1, line="dashdot"
+        ),
+        "steel on Formica, all rebounds": Series(
+            "[[series.steel on Formica.case.particle]], all rebounds", 0, line="dashed"
+        ),
         "printed, exceeded below": Series("_p", 0),
     }
     sheet.draw(restitution, looks_restitution, fixed=True)
@@ -471,7 +545,9 @@ def draw_fig12(sheet: Sheet) -> None:
         "spore on Formica": Series("[[series.spore on Formica.case.particle]]", 1),
         "steel on Formica": Series("[[series.steel on Formica.case.particle]]", 0, open=True),
         "spore on Formica, smooth": Series("[[series.spore on Formica.case.particle]]", 1),
-        "steel on Formica, smooth": Series("[[series.steel on Formica.case.particle]]", 0, line="dotted"),
+        "steel on Formica, smooth": Series(
+            "[[series.steel on Formica.case.particle]]", 0, line="dotted"
+        ),
         "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
     }
     sheet.draw(impulse_ratio, looks_impulse_ratio, fixed=True)
@@ -479,7 +555,9 @@ def draw_fig12(sheet: Sheet) -> None:
         "spore on Formica": Series("[[series.spore on Formica.case.particle]]", 1),
         "steel on Formica": Series("[[series.steel on Formica.case.particle]]", 0, open=True),
         "spore on Formica, smooth": Series("[[series.spore on Formica.case.particle]]", 1),
-        "steel on Formica, smooth": Series("[[series.steel on Formica.case.particle]]", 0, line="dotted"),
+        "steel on Formica, smooth": Series(
+            "[[series.steel on Formica.case.particle]]", 0, line="dotted"
+        ),
     }
     sheet.draw(energy_loss, looks_energy_loss, fixed=True)
     sheet.keys()

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 
-
-
 @Figure(
     "fig14",
     "Trends of the coefficients of restitution and adhesion",
@@ -33,7 +31,9 @@ if TYPE_CHECKING:
 )
 def draw_fig14(sheet: Sheet) -> None:
     """R, rho and e; below the capture velocity, an upright line, spheres are captured."""
-    (ax,) = sheet.panels(xlim=(0.0, 10.0), ylim=(0.0, 1.05), xlabel=NORMAL_SPEED, ylabel="Coefficient")
+    (ax,) = sheet.panels(
+        xlim=(0.0, 10.0), ylim=(0.0, 1.05), xlabel=NORMAL_SPEED, ylabel="Coefficient"
+    )
     looks = {
         "body restitution": Series("$R$, without adhesion", line="dashed"),
         "adhesion": Series(r"$\rho$, adhesion", line="dashdot"),

@@ -13,13 +13,13 @@ from microimpact.core.arrays import FloatArray
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.fit import RestitutionFit, fit_restitution
-from study.declared.parameters import AboveOne, CaseName, Fraction
 from study.contacts import (
     CAPTURE_VELOCITIES,
     calibrated_contact,
     fitted_to,
     printed_capture_velocity,
 )
+from study.declared.parameters import AboveOne, CaseName, Fraction
 from study.tables import (
     POINTS,
     NotComputedError,

@@ -10,18 +10,36 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 LOOKS_FIG15_RESTITUTION = {
-    "fluorescein-molybdenum, nominal, simulation": Series("[[fluorescein-molybdenum, nominal.pair]]", 1, line="dashdotdot"),
-    "fluorescein-molybdenum, nominal, fit": Series("fit by Eq. 34, [[fluorescein-molybdenum, nominal.surface]]", 1, line="dotted"),
+    "fluorescein-molybdenum, nominal, simulation": Series(
+        "[[fluorescein-molybdenum, nominal.pair]]", 1, line="dashdotdot"
+    ),
+    "fluorescein-molybdenum, nominal, fit": Series(
+        "fit by Eq. 34, [[fluorescein-molybdenum, nominal.surface]]", 1, line="dotted"
+    ),
     "printed, 1.47 m/s": Series("printed $v_c$ = 1.47 m/s", 6),
-    "fluorescein-molybdenum, least, simulation": Series("ends of its two force ratios", 4, line="dashdot"),
-    "fluorescein-molybdenum, greatest, simulation": Series("ends of its two force ratios", 4, line="dashdot"),
-    "fluorescein-molybdenum, nominal, fit of points": Series("fit of the points", 1, line="dashdot"),
-    "polystyrene-latex-fused-silica, simulation": Series("[[polystyrene-latex-fused-silica.pair]]", 0),
-    "polystyrene-latex-fused-silica, fit": Series("fit by Eq. 34, [[polystyrene-latex-fused-silica.surface]]", 0, line="dashed"),
+    "fluorescein-molybdenum, least, simulation": Series(
+        "ends of its two force ratios", 4, line="dashdot"
+    ),
+    "fluorescein-molybdenum, greatest, simulation": Series(
+        "ends of its two force ratios", 4, line="dashdot"
+    ),
+    "fluorescein-molybdenum, nominal, fit of points": Series(
+        "fit of the points", 1, line="dashdot"
+    ),
+    "polystyrene-latex-fused-silica, simulation": Series(
+        "[[polystyrene-latex-fused-silica.pair]]", 0
+    ),
+    "polystyrene-latex-fused-silica, fit": Series(
+        "fit by Eq. 34, [[polystyrene-latex-fused-silica.surface]]", 0, line="dashed"
+    ),
     "printed, 0.967 m/s": Series("printed $v_c$ = 0.967 m/s", 6),
     "polystyrene-latex-fused-silica, fit of points": Series("fit of the points", 0, line="dashdot"),
-    "ammonium-fluorescein-mica, simulation": Series("[[ammonium-fluorescein-mica.pair]]", 2, line="long dashed"),
-    "ammonium-fluorescein-mica, fit": Series("fit by Eq. 34, [[ammonium-fluorescein-mica.surface]]", 2, line="loose dashed"),
+    "ammonium-fluorescein-mica, simulation": Series(
+        "[[ammonium-fluorescein-mica.pair]]", 2, line="long dashed"
+    ),
+    "ammonium-fluorescein-mica, fit": Series(
+        "fit by Eq. 34, [[ammonium-fluorescein-mica.surface]]", 2, line="loose dashed"
+    ),
     "printed, 1.1 m/s": Series("printed $v_c$ = 1.10 m/s", 6),
     "ammonium-fluorescein-mica, fit of points": Series("fit of the points", 2, line="dashdot"),
 }

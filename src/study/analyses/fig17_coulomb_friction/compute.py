@@ -10,8 +10,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from study.declared.parameters import Finite, Fraction, NonNegative, Points, Positive
 from study.contacts import all_printed
+from study.declared.parameters import Finite, Fraction, NonNegative, Points, Positive
 from study.tables import Tables, series_frame
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")

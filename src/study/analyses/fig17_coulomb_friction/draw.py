@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 
-
-
 @Figure(
     "fig17",
     "Impulse ratio for Coulomb friction in the rigid body model",
@@ -21,7 +19,10 @@ if TYPE_CHECKING:
         the ratio f, rolling ones follow one curve. (b) With an initial spin at f =
         [[spin_friction:.2f]]; r omega / v is positive in the sense of rolling.
     """,
-    {"friction": "no initial spin, friction coefficient $f$", "spin": "initial spin, $f$ = [[spin_friction:.2f]]"},
+    {
+        "friction": "no initial spin, friction coefficient $f$",
+        "spin": "initial spin, $f$ = [[spin_friction:.2f]]",
+    },
     data=("fig17",),
     equations="4, 12, 13",
     article="""

@@ -15,7 +15,6 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from study.declared.parameters import CaseName, Finite, Fraction, Points, Positive
 from study.contacts import (
     BAND,
     DIGITS,
@@ -25,6 +24,7 @@ from study.contacts import (
     posterior_beside,
     printed_beside,
 )
+from study.declared.parameters import CaseName, Finite, Fraction, Points, Positive
 from study.tables import Tables, series_frame
 
 NEEDS = {

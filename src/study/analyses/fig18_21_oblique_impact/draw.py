@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 
-
-
 @Figure(
     "fig18",
     "Impulse ratio against the angle, rigid body model and simulation",

@@ -13,7 +13,6 @@ from pydantic import Field
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import Trajectory, trajectory
-from study.declared.parameters import AngleDegrees, CaseName, Points, Positive
 from study.contacts import (
     BAND,
     Posterior,
@@ -23,6 +22,7 @@ from study.contacts import (
     posterior_beside,
     printed_beside,
 )
+from study.declared.parameters import AngleDegrees, CaseName, Points, Positive
 from study.tables import Tables, result_evidence, series_frame
 
 TERMS = {

@@ -15,7 +15,6 @@ from pydantic import Field
 from microimpact.lab.surface import Rules
 from microimpact.statistics.distributions import Constant, Normal
 from microimpact.statistics.intervals import student_half_width
-from study.declared.parameters import AngleDegrees, CaseName, Must, Name, Points
 from study.analyses.fig23_monte_carlo.ensembles import (
     Ensemble,
     Plan,
@@ -26,6 +25,7 @@ from study.analyses.fig23_monte_carlo.ensembles import (
 )
 from study.analyses.fig23_monte_carlo.slope_inference import SlopeInference, infer_slope
 from study.contacts import calibrated_contact
+from study.declared.parameters import AngleDegrees, CaseName, Must, Name, Points
 from study.tables import Row, Tables, result_evidence, series_frame
 
 NEEDS = {"calibration": ("calibration",)}

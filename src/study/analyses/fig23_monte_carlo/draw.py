@@ -28,7 +28,10 @@ LOOKS_FIG23_RESTITUTION = {
         95 % of the means of [[events_measured]] events. Marks: virtual experiments of Fig.
         12.
     """,
-    {"restitution": "restitution, less its value at [[reference_angle_deg:.0f]]°", "impulse_ratio": "impulse ratio"},
+    {
+        "restitution": "restitution, less its value at [[reference_angle_deg:.0f]]°",
+        "impulse_ratio": "impulse ratio",
+    },
     data=("fig23", "fig23_points"),
     equations="12, 13, 35, 36",
     article="""
@@ -58,7 +61,10 @@ def draw_fig23(sheet: Sheet) -> None:
     """Draw it (was study.figures.models.curves.draw)."""
     restitution, impulse_ratio = sheet.panels()
     sheet.over_angle(restitution, impulse_ratio)
-    restitution.set(ylim=(-0.6, 1.8), ylabel=sheet.fill("Relative restitution $e - e([[reference_angle_deg:.0f]]°)$"))
+    restitution.set(
+        ylim=(-0.6, 1.8),
+        ylabel=sheet.fill("Relative restitution $e - e([[reference_angle_deg:.0f]]°)$"),
+    )
     impulse_ratio.set(ylim=(-0.1, 0.4), ylabel=IMPULSE_RATIO)
     sheet.draw(restitution, LOOKS_FIG23_RESTITUTION, fixed=True)
     sheet.draw(impulse_ratio, LOOKS_FIG23_RESTITUTION)

@@ -12,8 +12,8 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.statistics.distributions import Normal
 from microimpact.statistics.intervals import ERROR_BAR
-from study.declared.parameters import AngleDegrees, NonNegative
 from study.analyses.fig23_monte_carlo.ensembles import Ensemble, Plan, estimate, replicate_shares
+from study.declared.parameters import AngleDegrees, NonNegative
 from study.tables import Row
 
 # Standard deviation of a quantity that may lie anywhere within one half-width.

@@ -31,7 +31,6 @@ from microimpact.statistics.effects import (
     product,
     quarter_fractions,
 )
-from study.declared.parameters import CaseName, Must, Name, Positive
 from study.analyses.fig24_25_doe.factors import (
     FACTORS,
     LETTERS,
@@ -44,6 +43,7 @@ from study.analyses.fig24_25_doe.factors import (
     realistic_levels,
 )
 from study.contacts import all_printed, calibrated_contact
+from study.declared.parameters import CaseName, Must, Name, Positive
 from study.tables import Row, Tables, series_frame
 
 NEEDS = {"calibration": ("calibration", "calibration_family")}

@@ -67,8 +67,18 @@ LOOKS_FIG24_HALF_NORMAL = {
 def draw_fig24(sheet: Sheet) -> None:
     """Draw it (was study.figures.analyses.effects.draw)."""
     normal, half_normal = sheet.panels()
-    normal.set(xlim=(-150.0, 150.0), ylim=(-2.2, 2.2), xlabel="Effect (% of mean)", ylabel="Normal quantile")
-    half_normal.set(xlim=(-15.0, 150.0), ylim=(-0.1, 2.4), xlabel="Size of effect (%)", ylabel="Half-normal quantile")
+    normal.set(
+        xlim=(-150.0, 150.0),
+        ylim=(-2.2, 2.2),
+        xlabel="Effect (% of mean)",
+        ylabel="Normal quantile",
+    )
+    half_normal.set(
+        xlim=(-15.0, 150.0),
+        ylim=(-0.1, 2.4),
+        xlabel="Size of effect (%)",
+        ylabel="Half-normal quantile",
+    )
     sheet.draw(normal, LOOKS_FIG24_NORMAL)
     # legend title 'A stiffness $K$,  B work of adhesion $w_A$,  C radius $r$,  D damping of adhesion $\\zeta_A$,  E damping of the material $\\zeta_H$;  two letters: interaction;  all computed'
     sheet.draw(half_normal, LOOKS_FIG24_HALF_NORMAL)
@@ -98,8 +108,15 @@ def draw_fig24(sheet: Sheet) -> None:
 def draw_fig25(sheet: Sheet) -> None:
     """Draw it (was study.figures.analyses.effects.draw)."""
     normal, half_normal = sheet.panels()
-    normal.set(xlim=(-17.5, 17.5), ylim=(-2.2, 2.2), xlabel="Effect (% of mean)", ylabel="Normal quantile")
-    half_normal.set(xlim=(-2.5, 20.0), ylim=(-0.1, 2.4), xlabel="Size of effect (%)", ylabel="Half-normal quantile")
+    normal.set(
+        xlim=(-17.5, 17.5), ylim=(-2.2, 2.2), xlabel="Effect (% of mean)", ylabel="Normal quantile"
+    )
+    half_normal.set(
+        xlim=(-2.5, 20.0),
+        ylim=(-0.1, 2.4),
+        xlabel="Size of effect (%)",
+        ylabel="Half-normal quantile",
+    )
     sheet.draw(normal, LOOKS_FIG24_NORMAL)
     # legend title 'A stiffness $K$,  B work of adhesion $w_A$,  C radius $r$,  D damping of adhesion $\\zeta_A$,  E damping of the material $\\zeta_H$;  two letters: interaction;  all computed'
     sheet.draw(half_normal, LOOKS_FIG24_HALF_NORMAL)

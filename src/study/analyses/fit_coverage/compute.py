@@ -40,8 +40,8 @@ from microimpact.model.empirical.search import BatchFit, fit_batch
 from microimpact.model.posterior import NoConvergenceError, calibrate_laws
 from microimpact.statistics.distributions import generator
 from microimpact.statistics.intervals import wilson_interval
-from study.declared.parameters import CaseName
 from study.contacts import calibrated_contact
+from study.declared.parameters import CaseName
 from study.tables import POINTS, Row, Tables, read_table, series_frame
 
 NEEDS = {

@@ -13,7 +13,9 @@ LOOKS_CAPTURE_RECOVERY_BIAS_EQ_34 = {
     "noise 0.01, q free": Series(r"$\sigma_e$ = 0.01, $q$ free", 1, mark="square", open=True),
     "noise 0.01, q fixed": Series(r"$\sigma_e$ = 0.01, $q$ = [[fixed_exponent]]", 1, mark="square"),
     "noise 0.03, q free": Series(r"$\sigma_e$ = 0.03, $q$ free", 2, mark="triangle", open=True),
-    "noise 0.03, q fixed": Series(r"$\sigma_e$ = 0.03, $q$ = [[fixed_exponent]]", 2, mark="triangle"),
+    "noise 0.03, q fixed": Series(
+        r"$\sigma_e$ = 0.03, $q$ = [[fixed_exponent]]", 2, mark="triangle"
+    ),
     "nominal": Series("nominal coverage", 6, line="dotted"),
 }
 LOOKS_AVERAGED_COVERAGE_TAKEN_AS_EXACT = {
@@ -36,7 +38,14 @@ LOOKS_AVERAGED_COVERAGE_TAKEN_AS_EXACT = {
         free (open) and fixed at [[fixed_exponent]] (filled). Left: the truth is Eq. 34.
         Right: the truth is the simulation of [[case]].
     """,
-    {"bias, Eq. 34": "bias, true curve Eq. 34", "bias, simulation": "bias, true curve simulated", "rms, Eq. 34": "rms error, true curve Eq. 34", "rms, simulation": "rms error, true curve simulated", "coverage, Eq. 34": "coverage, true curve Eq. 34", "coverage, simulation": "coverage, true curve simulated"},
+    {
+        "bias, Eq. 34": "bias, true curve Eq. 34",
+        "bias, simulation": "bias, true curve simulated",
+        "rms, Eq. 34": "rms error, true curve Eq. 34",
+        "rms, simulation": "rms error, true curve simulated",
+        "coverage, Eq. 34": "coverage, true curve Eq. 34",
+        "coverage, simulation": "coverage, true curve simulated",
+    },
     data=("capture_recovery",),
     equations="34",
     finding="""
@@ -59,14 +68,23 @@ LOOKS_AVERAGED_COVERAGE_TAKEN_AS_EXACT = {
 )
 def draw_capture_recovery(sheet: Sheet) -> None:
     """Draw it (was study.figures.models.curves.draw)."""
-    bias_Eq_34, bias_simulation, rms_Eq_34, rms_simulation, coverage_Eq_34, coverage_simulation = sheet.panels(xscale="log", xlim=(0.98, 3.3), xlabel="Lowest speed over $v_c$")
+    bias_Eq_34, bias_simulation, rms_Eq_34, rms_simulation, coverage_Eq_34, coverage_simulation = (
+        sheet.panels(xscale="log", xlim=(0.98, 3.3), xlabel="Lowest speed over $v_c$")
+    )
     bias_Eq_34.set(ylim=(-0.4, 0.5), ylabel="Mean error of $v_c$, over $v_c$")
     bias_simulation.set(ylim=(-0.4, 0.5), ylabel="Mean error of $v_c$, over $v_c$")
     rms_Eq_34.set(yscale="log", ylim=(0.001, 2.0), ylabel="Rms error of $v_c$, over $v_c$")
     rms_simulation.set(yscale="log", ylim=(0.001, 2.0), ylabel="Rms error of $v_c$, over $v_c$")
     coverage_Eq_34.set(ylim=(0.85, 1.01), ylabel="Coverage")
     coverage_simulation.set(ylim=(0.0, 1.05), ylabel="Coverage")
-    for ax in (bias_Eq_34, bias_simulation, rms_Eq_34, rms_simulation, coverage_Eq_34, coverage_simulation):
+    for ax in (
+        bias_Eq_34,
+        bias_simulation,
+        rms_Eq_34,
+        rms_simulation,
+        coverage_Eq_34,
+        coverage_simulation,
+    ):
         sheet.ticks(ax.xaxis, (1.05, 1.2, 1.5, 2.0, 3.0))
     for ax in (bias_Eq_34, bias_simulation):
         sheet.level(ax, 0.0)
@@ -89,7 +107,11 @@ def draw_capture_recovery(sheet: Sheet) -> None:
         in the data. Right: `microimpact calibrate` predicts other sizes, nominally 90 %.
         Bars: 95 % intervals.
     """,
-    {"taken as exact": "taken as exact", "allowed for": "given or found", "at other sizes": "predicted at other sizes"},
+    {
+        "taken as exact": "taken as exact",
+        "allowed for": "given or found",
+        "at other sizes": "predicted at other sizes",
+    },
     data=("averaged_coverage",),
     equations="25, 34",
     finding="""
@@ -113,10 +135,16 @@ def draw_capture_recovery(sheet: Sheet) -> None:
 )
 def draw_averaged_coverage(sheet: Sheet) -> None:
     """Draw it (was study.figures.models.curves.draw)."""
-    taken_as_exact, allowed_for, at_other_sizes = sheet.panels(ylabel="Share of intervals with $v_c$")
-    taken_as_exact.set(xlim=(-1.8, 11.0), ylim=(0.3, 1.02), xlabel="Scatter of sizes and speeds (%)")
+    taken_as_exact, allowed_for, at_other_sizes = sheet.panels(
+        ylabel="Share of intervals with $v_c$"
+    )
+    taken_as_exact.set(
+        xlim=(-1.8, 11.0), ylim=(0.3, 1.02), xlabel="Scatter of sizes and speeds (%)"
+    )
     allowed_for.set(xlim=(-1.8, 11.0), ylim=(0.3, 1.02), xlabel="Scatter of sizes and speeds (%)")
-    at_other_sizes.set(xscale="log", xlim=(0.28, 2.4), ylim=(0.7, 1.02), xlabel="Diameter over that measured")
+    at_other_sizes.set(
+        xscale="log", xlim=(0.28, 2.4), ylim=(0.7, 1.02), xlabel="Diameter over that measured"
+    )
     sheet.ticks(at_other_sizes.xaxis, (0.33, 0.5, 1, 2))
     sheet.draw(taken_as_exact, LOOKS_AVERAGED_COVERAGE_TAKEN_AS_EXACT)
     sheet.draw(allowed_for, LOOKS_AVERAGED_COVERAGE_TAKEN_AS_EXACT)

@@ -12,6 +12,14 @@ from pydantic import Field
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.model.choices import FrictionBasis
 from microimpact.model.contact import Contact
+from study.analyses.inference.statements import (
+    FRICTIONAL,
+    TURNING,
+    Statement,
+    Values,
+    log_mean,
+)
+from study.contacts import Kind, declared_contact
 from study.declared.parameters import (
     Ascending,
     CaseName,
@@ -23,14 +31,6 @@ from study.declared.parameters import (
     NonNegative,
     Positive,
     PositiveRange,
-)
-from study.contacts import Kind, declared_contact
-from study.analyses.inference.statements import (
-    FRICTIONAL,
-    TURNING,
-    Statement,
-    Values,
-    log_mean,
 )
 from study.tables import Tables
 

@@ -24,8 +24,6 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.statistics import importance
 from microimpact.statistics.distributions import generator
-from study.declared.parameters import Count, Name, Points, Seed
-from study.contacts import ALL_LAWS, BAND, DRAWN, of_kind
 from study.analyses.inference.case import (
     Case,
     Judged,
@@ -44,6 +42,8 @@ from study.analyses.inference.statements import (
     Values,
     values_of,
 )
+from study.contacts import ALL_LAWS, BAND, DRAWN, of_kind
+from study.declared.parameters import Count, Name, Points, Seed
 from study.tables import Row, Tables
 
 NEEDS = {"calibration": ("calibration",)}

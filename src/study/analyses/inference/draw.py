@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import CAPTURE_VELOCITY, NORMAL_SPEED, RESTITUTION, TWO_STAGES, WORK_OF_ADHESION, Figure, Series
+from study.figures.declaration import (
+    CAPTURE_VELOCITY,
+    NORMAL_SPEED,
+    RESTITUTION,
+    TWO_STAGES,
+    WORK_OF_ADHESION,
+    Figure,
+    Series,
+)
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
@@ -32,7 +40,9 @@ LOOKS_POSTERIOR_BANDS_FLUORESCEIN_MOLYBDENUM_WITHOUT_THE_PRINTED_V_C = {
     "ring force": Series("ring force, $n$ from 0 to 2", 0),
     "fluorescein-molybdenum, least": Series("force ratios, least $v_c$", 6, line="dotted"),
     "fluorescein-molybdenum, nominal": Series("force ratios, nominal", 6, line="dashed"),
-    "fluorescein-molybdenum, greatest": Series("force ratios, greatest $v_c$", 6, line="long dashed"),
+    "fluorescein-molybdenum, greatest": Series(
+        "force ratios, greatest $v_c$", 6, line="long dashed"
+    ),
     "printed": Series("printed $v_c$", 6, open=True),
 }
 
@@ -70,7 +80,9 @@ LOOKS_POSTERIOR_BANDS_FLUORESCEIN_MOLYBDENUM_WITHOUT_THE_PRINTED_V_C = {
 )
 def draw_evidence(sheet: Sheet) -> None:
     """Draw it (was study.figures.models.evidence.draw)."""
-    capture_velocity, work_of_adhesion = sheet.panels(xscale="log", ylim=(0.0, 1.0), ylabel="What counts")
+    capture_velocity, work_of_adhesion = sheet.panels(
+        xscale="log", ylim=(0.0, 1.0), ylabel="What counts"
+    )
     capture_velocity.set(xlim=(0.008, 0.4), xlabel=CAPTURE_VELOCITY)
     work_of_adhesion.set(xlim=(0.002, 12.0), xlabel=WORK_OF_ADHESION)
     sheet.steps(capture_velocity.xaxis, 1.0, 3.0)
@@ -89,7 +101,12 @@ def draw_evidence(sheet: Sheet) -> None:
         Black lines: the single contacts of the other figures. Diamonds: printed for oblique
         impact, with their intervals; on the axis: printed capture velocities.
     """,
-    {"steel-silicon, without the printed v_c": "steel on silicon, without the printed $v_c$", "steel-silicon, with the printed v_c": "steel on silicon, with it", "fluorescein-molybdenum, without the printed v_c": "fluorescein on molybdenum, without it", "fluorescein-molybdenum, with the printed v_c": "fluorescein on molybdenum, with it"},
+    {
+        "steel-silicon, without the printed v_c": "steel on silicon, without the printed $v_c$",
+        "steel-silicon, with the printed v_c": "steel on silicon, with it",
+        "fluorescein-molybdenum, without the printed v_c": "fluorescein on molybdenum, without it",
+        "fluorescein-molybdenum, with the printed v_c": "fluorescein on molybdenum, with it",
+    },
     data=("posterior_bands",),
     equations="25",
     finding="""
@@ -110,15 +127,37 @@ def draw_evidence(sheet: Sheet) -> None:
 )
 def draw_posterior_bands(sheet: Sheet) -> None:
     """Draw it (was study.figures.models.curves.draw)."""
-    steel_silicon_without_the_printed_v_c, steel_silicon_with_the_printed_v_c, fluorescein_molybdenum_without_the_printed_v_c, fluorescein_molybdenum_with_the_printed_v_c = sheet.panels(xscale="log", ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
+    (
+        steel_silicon_without_the_printed_v_c,
+        steel_silicon_with_the_printed_v_c,
+        fluorescein_molybdenum_without_the_printed_v_c,
+        fluorescein_molybdenum_with_the_printed_v_c,
+    ) = sheet.panels(xscale="log", ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
     steel_silicon_without_the_printed_v_c.set(xlim=(0.02, 3.0))
     steel_silicon_with_the_printed_v_c.set(xlim=(0.02, 3.0))
     fluorescein_molybdenum_without_the_printed_v_c.set(xlim=(0.3, 30.0))
     fluorescein_molybdenum_with_the_printed_v_c.set(xlim=(0.3, 30.0))
-    for ax in (steel_silicon_without_the_printed_v_c, steel_silicon_with_the_printed_v_c, fluorescein_molybdenum_without_the_printed_v_c, fluorescein_molybdenum_with_the_printed_v_c):
+    for ax in (
+        steel_silicon_without_the_printed_v_c,
+        steel_silicon_with_the_printed_v_c,
+        fluorescein_molybdenum_without_the_printed_v_c,
+        fluorescein_molybdenum_with_the_printed_v_c,
+    ):
         sheet.steps(ax.xaxis, 1.0, 3.0)
-    sheet.draw(steel_silicon_without_the_printed_v_c, LOOKS_POSTERIOR_BANDS_STEEL_SILICON_WITHOUT_THE_PRINTED_V_C)
-    sheet.draw(steel_silicon_with_the_printed_v_c, LOOKS_POSTERIOR_BANDS_STEEL_SILICON_WITHOUT_THE_PRINTED_V_C)
-    sheet.draw(fluorescein_molybdenum_without_the_printed_v_c, LOOKS_POSTERIOR_BANDS_FLUORESCEIN_MOLYBDENUM_WITHOUT_THE_PRINTED_V_C)
-    sheet.draw(fluorescein_molybdenum_with_the_printed_v_c, LOOKS_POSTERIOR_BANDS_FLUORESCEIN_MOLYBDENUM_WITHOUT_THE_PRINTED_V_C)
+    sheet.draw(
+        steel_silicon_without_the_printed_v_c,
+        LOOKS_POSTERIOR_BANDS_STEEL_SILICON_WITHOUT_THE_PRINTED_V_C,
+    )
+    sheet.draw(
+        steel_silicon_with_the_printed_v_c,
+        LOOKS_POSTERIOR_BANDS_STEEL_SILICON_WITHOUT_THE_PRINTED_V_C,
+    )
+    sheet.draw(
+        fluorescein_molybdenum_without_the_printed_v_c,
+        LOOKS_POSTERIOR_BANDS_FLUORESCEIN_MOLYBDENUM_WITHOUT_THE_PRINTED_V_C,
+    )
+    sheet.draw(
+        fluorescein_molybdenum_with_the_printed_v_c,
+        LOOKS_POSTERIOR_BANDS_FLUORESCEIN_MOLYBDENUM_WITHOUT_THE_PRINTED_V_C,
+    )
     sheet.keys()

@@ -9,8 +9,8 @@ import pandas as pd
 
 from microimpact.model.contact import resized
 from microimpact.model.dynamics.normal import normal_impact
-from study.contacts import BAND, posterior_contact, solved_contacts
 from study.analyses.inference.case import WORK, Case
+from study.contacts import BAND, posterior_contact, solved_contacts
 from study.tables import Tables, series_frame
 
 # A law whose contacts are worth fewer independent ones than this is drawn grey.

@@ -28,6 +28,7 @@ from microimpact.lab.reduction import shared_error
 from microimpact.lab.surface import rough
 from microimpact.statistics.distributions import Distribution, child, generator
 from microimpact.statistics.intervals import student_half_width, wilson_interval
+from study.contacts import calibrated_contact
 from study.declared.parameters import (
     CaseName,
     Count,
@@ -37,7 +38,6 @@ from study.declared.parameters import (
     OpenShare,
     Positive,
 )
-from study.contacts import calibrated_contact
 from study.tables import NotComputedError, Tables, not_computed, reason, series_frame
 
 # Spheres that may be measured in some experiment: they arrive no further from the middle of the

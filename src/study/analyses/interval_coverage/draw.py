@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 
-
-
 @Figure(
     "coverage_of_means",
     "How often a [[level:.0%]] interval contains the mean restitution",
@@ -58,10 +56,23 @@ def draw_coverage_of_means(sheet: Sheet) -> None:
     looks_angle = {
         "smooth, oblique: events that can be measured": Series("smooth, of measurable events", 0),
         "smooth, oblique: all rebounds": Series("smooth, of all rebounds", 0, open=True),
-        "rough, oblique: events that can be measured": Series("rough, of measurable events", 1, mark="square"),
-        "rough, oblique: all rebounds": Series("rough, of all rebounds", 1, mark="square", open=True),
-        "slow, oblique: events that can be measured": Series("[[cases.slow, oblique.speeds_m_per_s.0:.2f]] m/s, of measurable events", 2, mark="triangle"),
-        "slow, oblique: all rebounds": Series("[[cases.slow, oblique.speeds_m_per_s.0:.2f]] m/s, of all rebounds", 2, mark="triangle", open=True),
+        "rough, oblique: events that can be measured": Series(
+            "rough, of measurable events", 1, mark="square"
+        ),
+        "rough, oblique: all rebounds": Series(
+            "rough, of all rebounds", 1, mark="square", open=True
+        ),
+        "slow, oblique: events that can be measured": Series(
+            "[[cases.slow, oblique.speeds_m_per_s.0:.2f]] m/s, of measurable events",
+            2,
+            mark="triangle",
+        ),
+        "slow, oblique: all rebounds": Series(
+            "[[cases.slow, oblique.speeds_m_per_s.0:.2f]] m/s, of all rebounds",
+            2,
+            mark="triangle",
+            open=True,
+        ),
         "nominal": Series("nominal level", 6, line="dotted"),
     }
     sheet.draw(angle, looks_angle, joined=True)

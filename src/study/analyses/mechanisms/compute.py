@@ -14,8 +14,6 @@ from pydantic import Field
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.statistics.intervals import student_half_width
-from study.declared.parameters import CaseName, Count
-from study.contacts import pair_of, printed_beside
 from study.analyses.mechanisms.loss import Loss, loss_tables
 from study.analyses.mechanisms.shallow import (
     Curve,
@@ -27,6 +25,8 @@ from study.analyses.mechanisms.shallow import (
 from study.analyses.mechanisms.slope import Slope, slope_tables
 from study.analyses.mechanisms.spin import Spin, spin_tables
 from study.analyses.mechanisms.spore import CAMERA, Spore, spore_tables
+from study.contacts import pair_of, printed_beside
+from study.declared.parameters import CaseName, Count
 from study.samples import Sampling
 from study.tables import Tables, series_frame
 

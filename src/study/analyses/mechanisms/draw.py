@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import ANGLE, MEAN_IMPULSE_RATIO, MEAN_MEASURED_RESTITUTION, TWO_STAGES, Figure, Series
+from study.figures.declaration import (
+    ANGLE,
+    MEAN_IMPULSE_RATIO,
+    MEAN_MEASURED_RESTITUTION,
+    TWO_STAGES,
+    Figure,
+    Series,
+)
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
-
-
 
 
 @Figure(
@@ -22,7 +27,12 @@ if TYPE_CHECKING:
         slopes. (c) Restitution of [[spore.spore.case.pair]] by slopes, by points off the
         centre, and as imaged. (d) Impulse ratio by adhesion and by slopes.
     """,
-    {"spin": "initial spin", "slope": "slope of the surface", "spore": "shape of the particle", "shallow": "adhesion or slopes"},
+    {
+        "spin": "initial spin",
+        "slope": "slope of the surface",
+        "spore": "shape of the particle",
+        "shallow": "adhesion or slopes",
+    },
     data=("causes", "causes_slope", "causes_shallow"),
     equations="1, 2, 25, 27",
     finding="""
@@ -59,9 +69,19 @@ def draw_causes(sheet: Sheet) -> None:
     spin, slope, spore, shallow = sheet.panels()
     sheet.over_angle(spore)
     spin.set(xlim=(15.0, 90.0), ylim=(-0.45, 0.25), xlabel=ANGLE, ylabel=MEAN_IMPULSE_RATIO)
-    slope.set(xlim=(0.0, 0.25), ylim=(0.5, 1.6), xlabel="Standard deviation of the slope (rad)", ylabel=MEAN_MEASURED_RESTITUTION)
+    slope.set(
+        xlim=(0.0, 0.25),
+        ylim=(0.5, 1.6),
+        xlabel="Standard deviation of the slope (rad)",
+        ylabel=MEAN_MEASURED_RESTITUTION,
+    )
     spore.set(ylim=(0.2, 2.0), ylabel=MEAN_MEASURED_RESTITUTION)
-    shallow.set(xlim=(0.0, 1.2), ylim=(0.14, 0.22), xlabel=r"Normal speed $v \sin\alpha$ (m/s)", ylabel=MEAN_IMPULSE_RATIO)
+    shallow.set(
+        xlim=(0.0, 1.2),
+        ylim=(0.14, 0.22),
+        xlabel=r"Normal speed $v \sin\alpha$ (m/s)",
+        ylabel=MEAN_IMPULSE_RATIO,
+    )
     sheet.ticks(spin.xaxis, (15, 30, 45, 60, 75, 90))
     sheet.level(spin, 0.0)
     for ax in (slope, spore):
@@ -90,15 +110,21 @@ def draw_causes(sheet: Sheet) -> None:
         "slopes": Series("slopes of [[spore.spore.particle_slope:g]] rad", 2),
         "slopes of 0.06": Series("slopes of 0.06 rad", 2, line="dashed"),
         "off centre, 0.2": Series("contact off centre, 0.2 $r$", 1, line="dotted"),
-        "slopes, seen by the camera": Series("slopes of [[spore.spore.particle_slope:g]] rad, as imaged", 2),
+        "slopes, seen by the camera": Series(
+            "slopes of [[spore.spore.particle_slope:g]] rad, as imaged", 2
+        ),
         "printed": Series("printed", 6),
     }
     sheet.draw(spore, looks_spore, fixed=True)
     sheet.legend(spore, "upper right")
     looks_shallow = {
         "adhesion, fast": Series("adhesion, [[shallow.speeds_m_per_s.1:.2f]] m/s", 0),
-        "adhesion, slow": Series("adhesion, [[shallow.speeds_m_per_s.0:.2f]] m/s", 4, line="dashed"),
-        "slopes, fast": Series("slopes, [[shallow.speeds_m_per_s.1:.2f]] m/s", 2, line="long dashed"),
+        "adhesion, slow": Series(
+            "adhesion, [[shallow.speeds_m_per_s.0:.2f]] m/s", 4, line="dashed"
+        ),
+        "slopes, fast": Series(
+            "slopes, [[shallow.speeds_m_per_s.1:.2f]] m/s", 2, line="long dashed"
+        ),
         "slopes, slow": Series("slopes, [[shallow.speeds_m_per_s.0:.2f]] m/s", 3, line="dotted"),
     }
     sheet.draw(shallow, looks_shallow)

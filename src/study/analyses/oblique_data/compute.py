@@ -21,6 +21,7 @@ from microimpact.model.choices import TANGENTIAL_LAWS
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
+from study.contacts import calibrated_contact, pair_of, printed_beside
 from study.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -30,7 +31,6 @@ from study.declared.parameters import (
     NonNegative,
     Positive,
 )
-from study.contacts import calibrated_contact, pair_of, printed_beside
 from study.tables import Tables, points_series, series_frame
 
 NEEDS = {"calibration": ("calibration",)}

@@ -60,7 +60,12 @@ def draw_oblique_rebounds(sheet: Sheet) -> None:
     velocity, spin, contact_point = sheet.panels()
     velocity.set(xlim=(0.0, 90.0), ylim=(0.5, 1.0), xlabel=ANGLE, ylabel="$V_t/v_t$")
     spin.set(xlim=(0.0, 90.0), ylim=(0.0, 700.0), xlabel=ANGLE, ylabel="Spin (rad/s)")
-    contact_point.set(xlim=(0.0, 2.0), ylim=(-0.6, 0.6), xlabel="Slip / slip that friction just stops", ylabel=r"$-(V_t - r\Omega)/(v_t - r\omega)$")
+    contact_point.set(
+        xlim=(0.0, 2.0),
+        ylim=(-0.6, 0.6),
+        xlabel="Slip / slip that friction just stops",
+        ylabel=r"$-(V_t - r\Omega)/(v_t - r\omega)$",
+    )
     for ax in (velocity, spin):
         sheet.ticks(ax.xaxis, (0.0, 30.0, 60.0, 90.0))
     sheet.level(contact_point, 0.0)

@@ -30,8 +30,8 @@ from microimpact.lab.surface import Rebound
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.intervals import ERROR_BAR, mean_and_error, wilson_interval
-from study.declared.parameters import CaseName, Count, Points, Positive
 from study.contacts import calibrated_contact
+from study.declared.parameters import CaseName, Count, Points, Positive
 from study.tables import Row, Tables, series_frame
 
 # Particles released, at most, for each that is to fall through the probe volume; so many of these

@@ -26,7 +26,13 @@ HEIGHTS = {
         Share of true pairs found. (d) Share of rebounds found. (e) Bias of the restitution
         by the printed correction for the probe's height, and by the exact one.
     """,
-    {"stream": "stretch of a stream", "precision": "precision of the pairs", "recall": "found, of recorded pairs", "seen": "found, of rebounds", "correction": "bias of the correction"},
+    {
+        "stream": "stretch of a stream",
+        "precision": "precision of the pairs",
+        "recall": "found, of recorded pairs",
+        "seen": "found, of rebounds",
+        "correction": "bias of the correction",
+    },
     data=("doppler_stream", "pairing_curves", "correction_curves"),
     equations="2.1 incident, 2.1 rebound, 25",
     finding="""
@@ -53,11 +59,25 @@ HEIGHTS = {
 def draw_doppler_pairs(sheet: Sheet) -> None:
     """A stretch of the stream with its pairs as lines, and curves against speed."""
     stream, precision, recall, seen, correction = sheet.panels()
-    stream.set(xlim=(0.0, 100.0), ylim=(-0.9, 2.2), xlabel="Time (ms)", ylabel="Vertical velocity (m/s)")
-    precision.set(xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Precision")
-    recall.set(xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Recall")
-    seen.set(xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Share found")
-    correction.set(xscale="log", xlim=(0.15, 6.0), ylim=(-0.14, 0.08), xlabel=NORMAL_SPEED, ylabel="Bias of $e$")
+    stream.set(
+        xlim=(0.0, 100.0), ylim=(-0.9, 2.2), xlabel="Time (ms)", ylabel="Vertical velocity (m/s)"
+    )
+    precision.set(
+        xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Precision"
+    )
+    recall.set(
+        xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Recall"
+    )
+    seen.set(
+        xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Share found"
+    )
+    correction.set(
+        xscale="log",
+        xlim=(0.15, 6.0),
+        ylim=(-0.14, 0.08),
+        xlabel=NORMAL_SPEED,
+        ylabel="Bias of $e$",
+    )
     for ax in (precision, recall, seen):
         sheet.ticks(ax.xaxis, (0.3, 0.4, 0.5, 0.75, 1.66))
     sheet.ticks(correction.xaxis, (0.2, 0.5, 1.0, 2.0, 5.0))

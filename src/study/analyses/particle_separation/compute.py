@@ -28,8 +28,8 @@ from microimpact.model.separation import (
     patch_force,
     touching_spherules,
 )
-from study.declared.parameters import AboveOne, Fraction, Must, OpenShare, Positive
 from study.contacts import all_printed
+from study.declared.parameters import AboveOne, Fraction, Must, OpenShare, Positive
 from study.tables import Row, Tables, series_frame
 
 PRINTED_VALUES = ("separation_force_bare_over_jkr", "separation_force_silica_over_bare")

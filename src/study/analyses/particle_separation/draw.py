@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 
-
-
 @Figure(
     "separation",
     "Separation force of a charged particle against the silica on it",
@@ -48,7 +46,13 @@ if TYPE_CHECKING:
 )
 def draw_separation(sheet: Sheet) -> None:
     """Draw it (was study.figures.models.curves.draw)."""
-    adhesion, charge = sheet.panels(yscale="log", xlim=(-0.1, 3.0), ylim=(0.8, 3000.0), xlabel="Silica on the particle (% of weight)", ylabel="Force (nN)")
+    adhesion, charge = sheet.panels(
+        yscale="log",
+        xlim=(-0.1, 3.0),
+        ylim=(0.8, 3000.0),
+        xlabel="Silica on the particle (% of weight)",
+        ylabel="Force (nN)",
+    )
     looks_adhesion = {
         "adhesion": Series("adhesion (JKR), middle and range", 0),
         "adhesion, random": Series("limit: silica at random", 0, line="dotted"),

@@ -21,6 +21,7 @@ from microimpact.model.calibration import two_stage
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.distributions import Distribution, generator, mean
+from study.contacts import Posterior, calibrated_contact, pair_of, printed_beside
 from study.declared.parameters import (
     Ascending,
     CaseName,
@@ -30,7 +31,6 @@ from study.declared.parameters import (
     NonNegative,
     Positive,
 )
-from study.contacts import Posterior, calibrated_contact, pair_of, printed_beside
 from study.tables import Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",), "inference": ("evidence_summary",)}

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 
-
-
 @Figure(
     "pile_up_onset",
     "Spheres that end on the target, by one impact and by repeated bounces",

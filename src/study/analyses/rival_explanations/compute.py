@@ -17,6 +17,13 @@ from microimpact.model.closed_forms import jkr_sticking_velocity
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
+from study.contacts import (
+    CAPTURE_VELOCITIES,
+    calibrated_contact,
+    pair_of,
+    printed_beside,
+    printed_capture_velocity,
+)
 from study.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -24,13 +31,6 @@ from study.declared.parameters import (
     NonNegative,
     Positive,
     PrintedName,
-)
-from study.contacts import (
-    CAPTURE_VELOCITIES,
-    calibrated_contact,
-    pair_of,
-    printed_beside,
-    printed_capture_velocity,
 )
 from study.tables import Tables, series_frame
 

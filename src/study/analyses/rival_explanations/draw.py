@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 
-
-
 @Figure(
     "rival_restitution",
     "Restitution that falls by adhesion, and by a probe above the surface",

@@ -20,6 +20,7 @@ from microimpact.core.arrays import FloatArray
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.rolling import RollingImpulses, rolling_impulses
+from study.contacts import calibrated_contact
 from study.declared.parameters import (
     Ascending,
     CaseName,
@@ -28,7 +29,6 @@ from study.declared.parameters import (
     Points,
     Positive,
 )
-from study.contacts import calibrated_contact
 from study.tables import Row, Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",)}

@@ -30,7 +30,12 @@ LOOKS_ROLLING_BOUND = {
         while another opens. (d) The model's own damping. Below the black, dashed line:
         negligible.
     """,
-    {"bound": "upper bound (statics)", "steady": "steady rolling", "impact": "hysteresis within an impact", "damping": "damping of the model within an impact"},
+    {
+        "bound": "upper bound (statics)",
+        "steady": "steady rolling",
+        "impact": "hysteresis within an impact",
+        "damping": "damping of the model within an impact",
+    },
     data=("rolling",),
     equations="25, 27, 29",
     finding="""
@@ -54,7 +59,13 @@ LOOKS_ROLLING_BOUND = {
 )
 def draw_rolling(sheet: Sheet) -> None:
     """Draw it (was study.figures.models.curves.draw)."""
-    bound, steady, impact, damping = sheet.panels(yscale="log", xlim=(0.0, 90.0), ylim=(0.0001, 20.0), xlabel=ANGLE, ylabel="Rolling / friction moment")
+    bound, steady, impact, damping = sheet.panels(
+        yscale="log",
+        xlim=(0.0, 90.0),
+        ylim=(0.0001, 20.0),
+        xlabel=ANGLE,
+        ylabel="Rolling / friction moment",
+    )
     for ax in (bound, steady, impact, damping):
         sheet.ticks(ax.xaxis, (0, 30, 60, 90))
     sheet.draw(bound, LOOKS_ROLLING_BOUND)

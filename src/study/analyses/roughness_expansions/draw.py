@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import ANGLE, MEASURED_IMPULSE_RATIO, MEASURED_RESTITUTION, Figure, Series
+from study.figures.declaration import (
+    ANGLE,
+    MEASURED_IMPULSE_RATIO,
+    MEASURED_RESTITUTION,
+    Figure,
+    Series,
+)
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
@@ -38,7 +44,14 @@ BARS = {"corrected": ("corrected", 0.07, 0), "printed": ("as printed", 0.03, 1)}
         At [[drawn_angle_deg:.0f]]°. (b), (e) On a slope of [[drawn_slope_deg:.0f]]°. (c),
         (f) At normal incidence.
     """,
-    {"slope restitution": r"$\alpha$ = [[drawn_angle_deg:.0f]]°", "angle restitution": r"$\phi$ = [[drawn_slope_deg:.0f]]°", "normal restitution": r"$\alpha$ = 90°, no spin", "slope impulse ratio": r"$\alpha$ = [[drawn_angle_deg:.0f]]°", "angle impulse ratio": r"$\phi$ = [[drawn_slope_deg:.0f]]°", "normal impulse ratio": r"$\alpha$ = 90°, $r\omega/v$ = [[drawn_spin_ratio:g]]"},
+    {
+        "slope restitution": r"$\alpha$ = [[drawn_angle_deg:.0f]]°",
+        "angle restitution": r"$\phi$ = [[drawn_slope_deg:.0f]]°",
+        "normal restitution": r"$\alpha$ = 90°, no spin",
+        "slope impulse ratio": r"$\alpha$ = [[drawn_angle_deg:.0f]]°",
+        "angle impulse ratio": r"$\phi$ = [[drawn_slope_deg:.0f]]°",
+        "normal impulse ratio": r"$\alpha$ = 90°, $r\omega/v$ = [[drawn_spin_ratio:g]]",
+    },
     data=("roughness",),
     equations="35, 36, 37, 38, 41, 4.1.2 restitution",
     finding="""

@@ -20,7 +20,6 @@ from microimpact.statistics.sobol import (
     saltelli_sample,
     sobol_indices,
 )
-from study.declared.parameters import CaseName, Count, Must, OpenShare, Positive
 from study.analyses.fig24_25_doe.factors import (
     LETTERS,
     NAMES,
@@ -29,6 +28,7 @@ from study.analyses.fig24_25_doe.factors import (
 )
 from study.analyses.sensitivity.ridge import Targets, calibrated_sample, material_damping
 from study.contacts import calibrated_contact
+from study.declared.parameters import CaseName, Count, Must, OpenShare, Positive
 from study.tables import Row, Tables, series_frame
 
 NEEDS = {"calibration": ("calibration", "calibration_family"), "doe": ("doe_levels", "doe_effects")}

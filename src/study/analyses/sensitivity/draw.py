@@ -25,7 +25,14 @@ LOOKS_SOBOL_REALISTIC_STEEL_SILICON_N_0 = {
         over the levels of Figs. 24 and 25, with shares of the squared effects. (c) Total
         indices with calibrated parameters and uncertain targets. (f) Convergence of (a).
     """,
-    {"realistic, steel-silicon, n = 0": "realistic, $n$ = 0", "realistic, steel-silicon, n = 1": "realistic, $n$ = 1", "calibrated": "calibrated", "uniform, steel-silicon, n = 0": "uniform, $n$ = 0", "uniform, steel-silicon, n = 1": "uniform, $n$ = 1", "convergence": "convergence of (a)"},
+    {
+        "realistic, steel-silicon, n = 0": "realistic, $n$ = 0",
+        "realistic, steel-silicon, n = 1": "realistic, $n$ = 1",
+        "calibrated": "calibrated",
+        "uniform, steel-silicon, n = 0": "uniform, $n$ = 0",
+        "uniform, steel-silicon, n = 1": "uniform, $n$ = 1",
+        "convergence": "convergence of (a)",
+    },
     data=("sobol",),
     equations="23, 24, 25",
     finding="""
@@ -52,12 +59,27 @@ LOOKS_SOBOL_REALISTIC_STEEL_SILICON_N_0 = {
 )
 def draw_sobol(sheet: Sheet) -> None:
     """Draw it (was study.figures.analyses.indices.draw)."""
-    realistic_steel_silicon_n_0, realistic_steel_silicon_n_1, calibrated, uniform_steel_silicon_n_0, uniform_steel_silicon_n_1, convergence = sheet.panels()
-    realistic_steel_silicon_n_0.set(xlim=(-0.5, 4.5), ylim=(-0.04, 1.0), xlabel="Factor", ylabel="Share of variance")
-    realistic_steel_silicon_n_1.set(xlim=(-0.5, 4.5), ylim=(-0.04, 1.0), xlabel="Factor", ylabel="Share of variance")
+    (
+        realistic_steel_silicon_n_0,
+        realistic_steel_silicon_n_1,
+        calibrated,
+        uniform_steel_silicon_n_0,
+        uniform_steel_silicon_n_1,
+        convergence,
+    ) = sheet.panels()
+    realistic_steel_silicon_n_0.set(
+        xlim=(-0.5, 4.5), ylim=(-0.04, 1.0), xlabel="Factor", ylabel="Share of variance"
+    )
+    realistic_steel_silicon_n_1.set(
+        xlim=(-0.5, 4.5), ylim=(-0.04, 1.0), xlabel="Factor", ylabel="Share of variance"
+    )
     calibrated.set(xlim=(-0.5, 4.5), ylim=(-0.04, 1.3), xlabel="Input", ylabel="Total index")
-    uniform_steel_silicon_n_0.set(xlim=(-0.5, 4.5), ylim=(-0.04, 1.0), xlabel="Factor", ylabel="Share of variance")
-    uniform_steel_silicon_n_1.set(xlim=(-0.5, 4.5), ylim=(-0.04, 1.0), xlabel="Factor", ylabel="Share of variance")
+    uniform_steel_silicon_n_0.set(
+        xlim=(-0.5, 4.5), ylim=(-0.04, 1.0), xlabel="Factor", ylabel="Share of variance"
+    )
+    uniform_steel_silicon_n_1.set(
+        xlim=(-0.5, 4.5), ylim=(-0.04, 1.0), xlabel="Factor", ylabel="Share of variance"
+    )
     convergence.set(xlim=(24, 1365), ylim=(-0.04, 1.5), xlabel="Base samples", ylabel="Total index")
     sheet.draw(realistic_steel_silicon_n_0, LOOKS_SOBOL_REALISTIC_STEEL_SILICON_N_0)
     sheet.draw(realistic_steel_silicon_n_1, LOOKS_SOBOL_REALISTIC_STEEL_SILICON_N_0)

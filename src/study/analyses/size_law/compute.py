@@ -17,13 +17,13 @@ from microimpact.core.bounds import AboveOne, Positive
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
-from study.declared.parameters import Ascending, CaseName, InferredName, LawName, ScenarioName
 from study.contacts import (
     BAND,
     calibrated_contact,
     posterior_contact,
     posterior_rows,
 )
+from study.declared.parameters import Ascending, CaseName, InferredName, LawName, ScenarioName
 from study.tables import Row, Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",), "inference": ("posterior_contacts",)}

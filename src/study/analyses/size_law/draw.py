@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 
-
-
 @Figure(
     "capture_by_size",
     "Capture velocity against the diameter, by law of contact, and the rebounds that decide",
@@ -49,7 +47,12 @@ def draw_capture_by_size(sheet: Sheet) -> None:
     """Draw it (was study.figures.models.curves.draw)."""
     size, impacts = sheet.panels(yscale="log", xscale="log")
     size.set(xlim=(20.0, 200.0), ylim=(0.01, 1.5), xlabel="Diameter (µm)", ylabel=CAPTURE_VELOCITY)
-    impacts.set(xlim=(50.0, 200.0), ylim=(10.0, 100000.0), xlabel="Mean diameter of the larger sieve (µm)", ylabel="Rebounds per sieve")
+    impacts.set(
+        xlim=(50.0, 200.0),
+        ylim=(10.0, 100000.0),
+        xlabel="Mean diameter of the larger sieve (µm)",
+        ylabel="Rebounds per sieve",
+    )
     for ax in (size, impacts):
         sheet.steps(ax.xaxis, 1.0, 2.0, 5.0)
     sheet.steps(size.yaxis, 1.0, 3.0)
@@ -64,12 +67,24 @@ def draw_capture_by_size(sheet: Sheet) -> None:
     }
     sheet.draw(size, looks_size)
     looks_impacts = {
-        "ring force, n free against ring force, n = 0, from 1.2 v_c": Series("$n$ free against $n$ = 0, from 1.2 $v_c$", 0),
-        "ring force, n free against ring force, n = 0, from 2 v_c": Series("$n$ free against $n$ = 0, from 2 $v_c$", 0, line="dashed"),
-        "ring force, n free against JKR, viscous, from 1.2 v_c": Series("$n$ free against JKR, from 1.2 $v_c$", 1, line="dashdot"),
-        "ring force, n free against JKR, viscous, from 2 v_c": Series("$n$ free against JKR, from 2 $v_c$", 1, line="dotted"),
-        "ring force, n = 0 against JKR, viscous, from 1.2 v_c": Series("$n$ = 0 against JKR, from 1.2 $v_c$", 2, line="long dashed"),
-        "ring force, n = 0 against JKR, viscous, from 2 v_c": Series("$n$ = 0 against JKR, from 2 $v_c$", 2, line="loose dashed"),
+        "ring force, n free against ring force, n = 0, from 1.2 v_c": Series(
+            "$n$ free against $n$ = 0, from 1.2 $v_c$", 0
+        ),
+        "ring force, n free against ring force, n = 0, from 2 v_c": Series(
+            "$n$ free against $n$ = 0, from 2 $v_c$", 0, line="dashed"
+        ),
+        "ring force, n free against JKR, viscous, from 1.2 v_c": Series(
+            "$n$ free against JKR, from 1.2 $v_c$", 1, line="dashdot"
+        ),
+        "ring force, n free against JKR, viscous, from 2 v_c": Series(
+            "$n$ free against JKR, from 2 $v_c$", 1, line="dotted"
+        ),
+        "ring force, n = 0 against JKR, viscous, from 1.2 v_c": Series(
+            "$n$ = 0 against JKR, from 1.2 $v_c$", 2, line="long dashed"
+        ),
+        "ring force, n = 0 against JKR, viscous, from 2 v_c": Series(
+            "$n$ = 0 against JKR, from 2 $v_c$", 2, line="loose dashed"
+        ),
     }
     sheet.draw(impacts, looks_impacts)
     sheet.keys()

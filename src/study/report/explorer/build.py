@@ -16,9 +16,9 @@ from microimpact.model.dynamics.normal import (
 )
 from microimpact.model.pairs import pair_contact
 from microimpact.model.rigid_body.algebra import INERTIA
+from study.contacts import calibrated_contact, declared
 from study.report.explorer import FILES, SCRIPTS
 from study.report.site.pages import render
-from study.contacts import calibrated_contact, declared
 
 HERE = Path(__file__).parent
 

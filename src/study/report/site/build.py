@@ -13,7 +13,7 @@ from typing import Any
 
 from microimpact.core.files import write_file
 from study.figures.registry import FORMATS
-from study.ledgers.claims import words
+from study.judge import words
 from study.report.site import PAGES, ledgers
 from study.report.site.exports import chains_json, claims_json, datapackage, schema_json
 from study.report.site.figures import Figure, departures, figures, label, studies_behind

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
-from study import studies
+from study import analyses
 from study.figures.registry import CURVES
-from study.ledgers.claims.words import in_words
+from study.judge.words import in_words
 from study.report.site.ledgers import Row, read_rows
 from study.report.site.record import Record
 
@@ -124,7 +124,7 @@ def figures(
             rows=_rows(record.rows.get(study, {}), declared),
             upstream=upstream(study),
             drawing=f"{entry.get('module', CURVES)}.{entry.get('function', 'draw')}",
-            analysis=f"{studies.homes()[study]}.run",
+            analysis=f"{analyses.homes()[study]}.run",
             explorer=explored(study, declared),
             departures=departures(declared, [study]),
             equations=tuple(
@@ -162,7 +162,7 @@ def upstream(study: str) -> tuple[str, ...]:
     """Return the studies whose tables a study rests on, the nearest first."""
     chain = [study]
     for name in chain:
-        chain += [maker for maker in sorted({*studies.needs(name).values()}) if maker not in chain]
+        chain += [maker for maker in sorted({*analyses.needs(name).values()}) if maker not in chain]
     return tuple(chain[1:])
 
 
@@ -207,7 +207,7 @@ def departures(declared: Sequence[Row], names: Iterable[str]) -> tuple[Row, ...]
 def studies_behind(claim: Row, record: Record) -> set[str]:
     """Return the studies that a claim rests on: of its figures, and of the tables it reads."""
     drawn = {record.figures[n]["study"] for n in claim["figures"].split() if n in record.figures}
-    makers = studies.needs(CLAIM_STUDY)
+    makers = analyses.needs(CLAIM_STUDY)
     read = {makers[name] for name in claim.get("inputs", "").split() if name in makers}
     drawn_from = {"inference"} if claim.get("shares") else set()
     return drawn | read | drawn_from | {CLAIM_STUDY}

@@ -15,7 +15,7 @@ from docutils.utils.math import MathError
 from docutils.utils.math.latex2mathml import tex2mathml
 from markupsafe import Markup, escape
 
-from study.ledgers.equations.forms import FUNCTIONS, RELATIONS
+from study.equations.forms import FUNCTIONS, RELATIONS
 
 SIGNS = {" = ": " = ", " > ": " > ", " != ": r" \neq "}
 GREEK = "alpha|zeta|eta|theta|kappa|mu|nu|pi|rho|phi|sigma|xi|omega|Omega"

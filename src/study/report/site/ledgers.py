@@ -11,9 +11,9 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from study.ledgers.claims.changed import OF_ANOTHER
-from study.ledgers.claims.criteria import UNCOUNTED
-from study.ledgers.claims.words import (
+from study.judge.changed import OF_ANOTHER
+from study.judge.criteria import UNCOUNTED
+from study.judge.words import (
     bounds,
     drawn_share,
     fails,

@@ -1,0 +1,172 @@
+"""Numbers behind the claims of the article; `study.judge` judges them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from microimpact.core.nearest import nearest
+from study.claims.claim import CLAIMS, NUMBER_COLUMNS, ascending, flat, params, rows
+from study.claims.context import Common, Context
+from study.claims.sections import SECTIONS
+from study.contacts import posterior_contact, posterior_rows
+from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Tables, reason
+
+__all__ = ["CLAIMS", "SECTIONS", "Params", "numbers_of", "run"]
+
+NEEDS = {
+    "inference": ("posterior_contacts",),
+    "calibration": ("calibration", "calibration_family", "molybdenum_capture"),
+    "force_history": ("force_ratios",),
+    "rolling_dissipation": ("rolling_dissipation",),
+    "restitution_fits": ("restitution_fits",),
+    "track_imaging": ("ptis_range",),
+    "pair_search": ("pairing_quality",),
+    "interval_coverage": ("interval_coverage",),
+    "pile_up": ("pile_up",),
+    "mechanisms": (
+        "adhesion_or_roughness",
+        "formica_mechanism",
+        "loss_resolution",
+        "loss_slopes",
+        "smooth_spore",
+        "spin_needed",
+        "spin_or_tilt",
+        "spore_comparison",
+        "spore_trends",
+        "surface_pairs",
+    ),
+    "doe": ("doe_bd_aliasing", "doe_design", "doe_effects", "doe_elasticities", "doe_levels"),
+    "monte_carlo": ("monte_carlo",),
+}
+PRINTED_VALUES = (
+    "restitution_sst76_silicon",
+    "capture_velocity_sst_silicon",
+    "normal_speed_lycopodium_48deg",
+    "normal_speed_lycopodium_38deg",
+)
+
+# Of a drawn contact, and of its numbers.
+DRAW = ("contact", "scenario", "law", "draw")
+DRAW_COLUMNS = ("claim", *DRAW, "alternative", "quantity", "value")
+# Laws other than the ring force are integrated point by point: of their draws every so many count.
+SPARSE = 3
+
+# Settings of all claims: what they share, and a field for each claim with settings.
+Params: Any = params()
+
+
+def run(params: Common, inputs: Tables) -> Tables:
+    """Compute the numbers of every claim.
+
+    A claim that cannot be computed with the settings has a row that says why, and leaves the others
+    alone.
+
+    Parameters
+    ----------
+    params
+        Settings of all claims.
+    inputs
+        ``materials``, ``contacts``, ``printed``: declared rows; tables of earlier studies by name.
+
+    Returns
+    -------
+    dict of pandas.DataFrame
+        ``claim_numbers``: per claim, case and quantity its value, error and code; in the column
+        ``problem``, why there is none. ``claim_draws``: numbers of some claims for drawn
+        contacts.
+    """
+    context = Context(params=params, inputs=inputs)
+    numbers = [row for name in ascending() for row in rows(name, context)]
+    try:
+        drawn = draws_of(params, inputs)
+    except UNCOMPUTABLE as error:  # these claims are not judged by their calibrated cases instead
+        drawn = pd.DataFrame(columns=list(DRAW_COLUMNS))
+        row = {"quantity": NOT_COMPUTED, "problem": reason("claim_draws", error)}
+        numbers += [{"claim": name, **row} for name in ascending() if CLAIMS[name].by_contact]
+    return {
+        "claim_numbers": pd.DataFrame(numbers, columns=list(NUMBER_COLUMNS)),
+        "claim_draws": drawn,
+    }
+
+
+def draws_of(params: Common, inputs: Tables, *claims: str) -> pd.DataFrame:
+    """Return the numbers of the claims that drawn contacts decide, for every draw.
+
+    Contacts are drawn by the printed statements, in scenarios and by all laws that a scenario does
+    not exclude. Friction and its basis are those of the draw, all else as for the calibrated cases.
+    A claim that cannot be computed with a draw has no row, as those about the ring force with other
+    laws.
+
+    Parameters
+    ----------
+    params, inputs
+        As in `run`; of the tables, ``calibration`` and ``posterior_contacts`` are read.
+    *claims
+        Such as ``C58``; all, if none are named.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Rows with `DRAW_COLUMNS`, in the order of claims and draws.
+    """
+    wanted = claims or tuple(name for name in ascending() if CLAIMS[name].by_contact)
+    drawn = pd.concat(
+        [posterior_rows(inputs, params.draws.case, each) for each in params.draws.scenarios],
+        ignore_index=True,
+    )
+    drawn = drawn[(drawn["contact_law"] == "ring force") | (drawn["draw"] % SPARSE == 0)]
+    groups = [rows for _, rows in drawn.groupby(["contact_law", "friction_basis"])]
+    parts = [part for name in wanted for rows in groups for part in _of(name, params, inputs, rows)]
+    if not parts:
+        return pd.DataFrame(columns=list(DRAW_COLUMNS))
+    table = pd.concat(parts)
+    # In the order of the draws within a claim, whatever the law and the basis of friction.
+    order = {name: number for number, name in enumerate(wanted)}
+    table = table.assign(order=table["claim"].map(order)).reset_index(names="row")
+    return table.sort_values(["order", "row"], kind="stable")[list(DRAW_COLUMNS)]
+
+
+def _of(name: str, params: Common, inputs: Tables, rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
+    """Yield the numbers of each quantity of a claim, for draws of one law and basis of friction."""
+    basis = rows["friction_basis"].iloc[0]
+    context = Context(
+        params=replace(params, steel=replace(params.steel, friction_basis=basis)),
+        inputs=inputs,
+        case=params.steel.cases[0],
+        contacts=posterior_contact(inputs, rows),
+    )
+    try:
+        numbers = list(flat(CLAIMS[name].computed(context), ""))
+    except UNCOMPUTABLE:
+        return
+    values = [np.broadcast_to(value, len(rows)) for *_, value in numbers]
+    known = np.all(np.isfinite(values), axis=0)
+    draws = rows.rename(columns={"case": "contact"})[list(DRAW)].assign(claim=name)
+    for (alternative, quantity, _), value in zip(numbers, values, strict=True):
+        yield draws.assign(alternative=alternative, quantity=quantity, value=value)[known]
+
+
+def numbers_of(claim: str, params: Common, inputs: Tables) -> pd.DataFrame:
+    """Return the numbers of one claim, as rows of the table of all.
+
+    Parameters
+    ----------
+    claim
+        Such as ``C58``.
+    params, inputs
+        As in `run`; of the tables those that the claim reads.
+
+    Raises
+    ------
+    ValueError
+        If no function computes such a claim.
+    """
+    if claim not in CLAIMS:
+        raise ValueError(f"no function computes a claim {claim!r}{nearest(claim, CLAIMS)}")
+    context = Context(params=params, inputs=inputs)
+    return pd.DataFrame(list(rows(claim, context)), columns=list(NUMBER_COLUMNS))

@@ -1,0 +1,259 @@
+"""Numbers of the claims of Sections 6 and 7: the conclusions of the article."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.solve import threshold
+from microimpact.lab.experiment import Target
+from microimpact.lab.surface import rough
+from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, plastic_restitution, yield_velocity
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import planar, simulate, velocity_components
+from microimpact.model.dynamics.rolling import gravity_ratio, rolling_distance
+from microimpact.statistics.distributions import generator
+from study.claims.claim import RIDGE, Claim, Number
+from study.claims.context import Context, Numbers, greatest, without_adhesion
+from study.declared.parameters import (
+    AngleDegrees,
+    Count,
+    Fraction,
+    Name,
+    NonNegative,
+    Positive,
+    PositiveRange,
+)
+
+ANALYSIS = 98
+# Where normal speeds of capture are looked for, relative to the one known.
+AROUND = 1e-3
+# To how much of the nominal normal speed apparent capture is found.
+APPARENT = 1e-3
+# Angles at which the normal speed of capture is sought.
+DECOUPLED_DEG = (10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 85.0)
+
+
+@Claim(
+    "C40",
+    "Final spins reach the order of 1e3 rad/s.",
+    where="6",
+    quote="the final rotational velocities were determined to reach the order of 10³ rad/s",
+    kind="contradiction",
+    article="1e3",
+    unit="rad/s",
+    numbers={
+        "largest_final_spin": Number(unit="rad/s", at_least=316.23, at_most=3162.3),
+    },
+    reason=(
+        "An order of magnitude holds within half a decade; tested on the largest spin over all "
+        "angles of rebound. Section 3.2.2 prints another order (C39)."
+    ),
+    cases=RIDGE,
+    figures="fig21",
+    equations="8 29",
+    by_contact=True,
+)
+def c40(context: Context) -> Numbers:
+    """Spin after impact, the largest over all rebounds."""
+    impact = context.rebounds()
+    return {"largest_final_spin": greatest(np.abs(impact.spin), ~impact.captured)}
+
+
+@Claim(
+    "C58",
+    "The impacts hardly deform the materials plastically.",
+    where="7, 3",
+    quote="plastic deformation during impact is minimal",
+    article="minimal",
+    numbers={
+        "plastic_loss_over_measured_loss": Number("plastic loss / measured loss", at_most=0.1),
+        "yield_strength_for_no_yield": Number(unit="MPa"),
+        "peak_hertz_pressure": Number(unit="GPa"),
+    },
+    reason=(
+        "Minimal means at most 10 % of the loss 1 - e^2 at the printed restitution. The loss at "
+        "[[steel.speed_m_per_s:g]] m/s without adhesion is that of Thornton and Ning 1998, where "
+        "the pressure of Hertz exceeds that at which a sphere begins to yield. A loss above the "
+        "measured one excludes its yield strength."
+    ),
+    cases=("annealed", "spring hard"),
+)
+def c58(context: Context, *, yield_strengths_MPa: dict[Name, Positive]) -> Numbers:
+    """Loss by plastic deformation (Thornton and Ning 1998) over the loss measured, by hardness.
+
+    Beside it the greatest pressure by Hertz without adhesion and damping, ``p_0 = 3 F/(2 pi a^2)``
+    with ``F = K a^3/r``, and the yield strength at which nothing yields.
+    """
+    elastic = without_adhesion(context.steel).replace(hertz_damping=0.0)
+    depth = simulate(elastic, context.speed).maximum_compression
+    pressure = 1.5 / np.pi * elastic.stiffness * np.sqrt(depth / elastic.hertz_radius)
+    measured = 1.0 - context.params.steel.restitution**2
+    common = {
+        "yield_strength_for_no_yield": pressure / YIELD_PRESSURE_RATIO * 1e-6,
+        "peak_hertz_pressure": pressure * 1e-9,
+    }
+
+    def lost(strength: float) -> float:
+        limit = yield_velocity(elastic, strength * 1e6)
+        return 1.0 - float(plastic_restitution(context.speed, limit)) ** 2
+
+    return {
+        name: {"plastic_loss_over_measured_loss": lost(strength) / measured, **common}
+        for name, strength in yield_strengths_MPa.items()
+    }
+
+
+@Claim(
+    "C59",
+    "Friction in an oblique impact adds to the energy lost.",
+    where="6",
+    quote="friction combines with the van der Waals force to increase the impact energy loss",
+    article="sign",
+    numbers={
+        "least_added_loss_of_total_energy": Number(at_least=0.001),
+    },
+    reason=(
+        "For the energy of translation and rotation together, with friction [[steel.friction:g]] "
+        "against none, at all declared oblique angles of rebound."
+    ),
+    cases=RIDGE,
+    figures="fig21",
+    equations="14",
+    by_contact=True,
+)
+def c59(context: Context) -> Numbers:
+    """Loss of energy, rotation included, with friction less that without; least of all rebounds."""
+    angles = np.array(context.params.steel.angles_deg)[:, None]
+    rough = context.impacts(context.speed, angles[:, 0])
+    smooth = context.hit(context.steel.replace(friction=0.0), context.speed, angles)
+    oblique = ~rough.captured & (angles < 90.0)
+    return {
+        "least_added_loss_of_total_energy": -greatest(
+            smooth.energy_loss - rough.energy_loss, oblique
+        )
+    }
+
+
+@Claim(
+    "C97",
+    "Captured spheres can roll away from the spot they hit on a tilted target.",
+    where="6",
+    quote="captured particles can roll away from the (tilted) target zone",
+    article="roll away",
+    numbers={
+        "distance_rolled_over_half_width_of_spot": Number(
+            "distance rolled / half-width of the spot", at_least=1.0
+        ),
+        "gravity_moment_over_rolling_moment": Number("moment of gravity / rolling moment"),
+    },
+    reason=(
+        "The rolling resistance of adhesion opposes the motion, from the steepest angle at which "
+        "a sphere of [[steel.diameter_um:g]] µm at [[steel.speed_m_per_s:g]] m/s is captured. The "
+        "lag of the contact, which sets that resistance, is not published, so both ends of its "
+        "range must agree."
+    ),
+    cases=(
+        "steel-silicon, n = 0, shift [[shifts_nm.0:g]] nm",
+        "steel-silicon, n = 0, shift [[shifts_nm.1:g]] nm",
+        "steel-silicon, n = 1, shift [[shifts_nm.0:g]] nm",
+        "steel-silicon, n = 1, shift [[shifts_nm.1:g]] nm",
+    ),
+    by_contact=True,
+)
+def c97(
+    context: Context, *, shifts_nm: PositiveRange, kept_share: Fraction, spot_mm: Positive
+) -> Numbers:
+    """Distance that a captured sphere rolls, and moment of its weight over adhesion's.
+
+    It comes at the steepest angle at which it is captured, and adhesion alone stops it: the weight,
+    which would carry it further, is given, too.
+    """
+    contact, angle = context.steel, context.capture_angle()
+    along = kept_share * velocity_components(context.speed, angle)[1]
+    numbers = {}
+    for shift in shifts_nm:
+        lag = shift * 1e-9
+        distance = rolling_distance(contact, along, lag) * 1e3
+        numbers[f"shift {shift:g} nm"] = {
+            "distance_rolled_over_half_width_of_spot": distance / spot_mm,
+            "gravity_moment_over_rolling_moment": gravity_ratio(contact, lag, 90.0 - angle),
+        }
+    return numbers
+
+
+@Claim(
+    "C98",
+    (
+        "Slopes make capture appear at a lower normal speed in oblique impacts; the impact of a "
+        "smooth sphere does not."
+    ),
+    where="2.4, 6",
+    kind="finding",
+    article="inequality",
+    numbers={
+        "largest_difference_of_normal_capture_speeds_over_angles": Number(
+            "largest difference of normal capture speeds among angles", at_most=1e-12
+        ),
+        "ratio_of_apparent_capture_speeds": Number(
+            "ratio of apparent capture speeds with slopes at [[angle_deg:g]]° and 90°", at_most=0.9
+        ),
+    },
+    reason=(
+        "The normal motion does not depend on the tangential motion, so without slopes the normal "
+        "capture speed is the same at all angles except for rounding, relative to that at 90°. "
+        "With slopes of [[slope_sd:g]] it must be lower by more than 10 %. Explains C09."
+    ),
+    cases=RIDGE,
+    figures="fig08",
+    equations="25 27",
+    by_case=True,
+)
+def c98(
+    context: Context,
+    *,
+    angle_deg: AngleDegrees,
+    slope_sd: NonNegative,
+    spheres: Count,
+) -> Numbers:
+    """Normal speeds of capture without slopes, and where half are captured with them.
+
+    Identical spheres meet slopes; the same ones at every speed.
+    """
+    contact = context.steel
+    *speeds, upright = decoupled_speeds(contact, np.array([*DECOUPLED_DEG, 90.0]))
+    target = Target(contact=contact, surface=rough(slope_sd))
+    limit = float(capture_velocity(contact))
+    diameter = np.full(spheres, contact.diameter)
+
+    def apparent_speed(angle: float) -> float:
+        """Return the nominal normal speed below which more than half the spheres stay."""
+
+        def half_leave(speed: float) -> bool:
+            into, along = velocity_components(speed / np.sin(np.radians(angle)), angle)
+            velocity = np.tile([along, 0.0, into], (spheres, 1))
+            rng = generator(context.params.sampling.seed, ANALYSIS)
+            rebound = target.hit(diameter, velocity, np.zeros_like(velocity), rng)
+            return float(np.mean(rebound.captured)) <= 0.5
+
+        return threshold(half_leave, 0.02 * limit, 3.0 * limit, absolute=APPARENT * limit)
+
+    return {
+        "largest_difference_of_normal_capture_speeds_over_angles": np.max(
+            np.abs(np.array(speeds) / upright - 1.0)
+        ),
+        "ratio_of_apparent_capture_speeds": apparent_speed(angle_deg) / apparent_speed(90.0),
+    }
+
+
+def decoupled_speeds(contact: Contact, angle: FloatArray) -> FloatArray:
+    """Return the normal speed at which capture ends at angles of incidence in degrees."""
+    limit = float(capture_velocity(contact))
+    low, high = (np.full(angle.shape, limit * (1.0 + side * AROUND)) for side in (-1.0, 1.0))
+    into, along = velocity_components(1.0, angle)
+
+    def leaves(speed: FloatArray) -> BoolArray:
+        return ~planar(contact, -speed, speed * along / -into).captured
+
+    return threshold(leaves, low, high)

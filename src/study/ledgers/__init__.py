@@ -1,1 +1,0 @@
-"""Assertions of the study about the article: declared criteria, and their outcomes."""
