@@ -31,9 +31,10 @@ if TYPE_CHECKING:
     is_schematic=True,
 )
 def draw_fig01(sheet: Sheet) -> None:
-    """Draw it (was study.figures.schematics.set_ups.draw_fig01)."""
-    # panel side: x_range [0.0, 174.0], y_range [0.0, 76.0]
-    words = {
+    """From the side and from above, in mm."""
+    from study.analyses.fig01_03_13_19_22_schematics import parts, set_ups
+
+    side = {
         "laser": "argon-ion laser",
         "collimator": "collimator",
         "disk": "beam chopper:\nspinning disk with\n[[set_ups.disk_slots]] slots, front view",
@@ -43,14 +44,14 @@ def draw_fig01(sheet: Sheet) -> None:
         "dispenser": "particle dispenser\n(neutral charge)",
         "rotor": "rotor",
         "needle": "hypodermic needle",
-        "drop height": "[[set_ups.least_drop_height_m:g]] to\n[[set_ups.greatest_drop_height_m:.1f]] m",
+        "drop height": "[[set_ups.least_drop_height_m:g]] to\n"
+        "[[set_ups.greatest_drop_height_m:.1f]] m",
         "incident track": "incident",
         "rebound track": "rebound",
         "target": "target surface,\ngrounded",
         "angle": r"$\alpha$",
     }
-    # panel top: x_range [0.0, 174.0], y_range [0.0, 42.0]
-    words = {
+    top = {
         "camera": "CCD camera",
         "recorder": "video recorder",
         "porthole": "porthole",
@@ -58,6 +59,11 @@ def draw_fig01(sheet: Sheet) -> None:
         "sphere": "sphere",
         "angle": "≈ [[set_ups.camera_angle_deg:.0f]]°",
     }
+    place, ends = (0.0, 49.0, 174.0, 76.0), ((0.0, 174.0), (0.0, 76.0))
+    set_ups.imaging_side(parts.view(sheet, "side", place, ends, side))
+    place, ends = (0.0, 6.0, 174.0, 42.0), ((0.0, 174.0), (0.0, 42.0))
+    set_ups.imaging_top(parts.view(sheet, "top", place, ends, top))
+    parts.key(sheet)
 
 
 @Figure(
@@ -79,10 +85,12 @@ def draw_fig01(sheet: Sheet) -> None:
     is_schematic=True,
 )
 def draw_fig02(sheet: Sheet) -> None:
-    """Draw it (was study.figures.schematics.set_ups.draw_fig02)."""
-    # panel top: x_range [0.0, 128.0], y_range [0.0, 72.0]
-    words = {
-        "laser": "argon-ion\nlaser, [[set_ups.shortest_wavelength_nm:.0f]]\nto [[set_ups.longest_wavelength_nm:.0f]] nm",
+    """From above, and the probe volume from the side, in mm."""
+    from study.analyses.fig01_03_13_19_22_schematics import parts, set_ups
+
+    top = {
+        "laser": "argon-ion\nlaser, [[set_ups.shortest_wavelength_nm:.0f]]\n"
+        "to [[set_ups.longest_wavelength_nm:.0f]] nm",
         "beam splitter": "beam\nsplitter",
         "frequency shifter": "frequency\nshifting",
         "transmitting lens": "transmitting\nlens",
@@ -96,14 +104,18 @@ def draw_fig02(sheet: Sheet) -> None:
         "data file": "data file",
         "angle": "[[set_ups.receiver_angle_deg:.0f]]°",
     }
-    # panel side: x_range [0.0, 46.0], y_range [0.0, 72.0]
-    words = {
+    side = {
         "needle": "hypodermic\nneedle",
         "incident": "incident\nsphere",
         "rebound": "rebound",
         "target": "target surface",
         "probe height": "$h$ ≈\n[[set_ups.probe_height_mm:g]] mm",
     }
+    place, ends = (0.0, 6.0, 128.0, 72.0), ((0.0, 128.0), (0.0, 72.0))
+    set_ups.analyser_top(parts.view(sheet, "top", place, ends, top))
+    place, ends = (128.0, 6.0, 46.0, 72.0), ((0.0, 46.0), (0.0, 72.0))
+    set_ups.analyser_side(parts.view(sheet, "side", place, ends, side))
+    parts.key(sheet)
 
 
 @Figure(
@@ -130,8 +142,9 @@ def draw_fig02(sheet: Sheet) -> None:
     is_schematic=True,
 )
 def draw_fig03(sheet: Sheet) -> None:
-    """Draw it (was study.figures.schematics.impacts.draw_fig03)."""
-    # panel impact: x_range [-1.3, 1.3], y_range [-0.3, 1.3628]
+    """Velocities of both legs, as long as there is room for."""
+    from study.analyses.fig01_03_13_19_22_schematics import impacts, parts
+
     words = {
         "incident velocity": "$v$",
         "incident tangential": "$v_t$",
@@ -143,6 +156,10 @@ def draw_fig03(sheet: Sheet) -> None:
         "rebound spin": r"$r\Omega$",
         "angle": r"$\alpha$",
     }
+    place, ends = (0.0, 6.0, 86.0, 55.0), ((-1.3, 1.3), (-0.3, 1.3628))
+    scale = impacts.fitting(sheet.tables["fig03"])
+    impacts.velocities(parts.view(sheet, "impact", place, ends, words, scale))
+    parts.key(sheet)
 
 
 @Figure(
@@ -166,28 +183,38 @@ def draw_fig03(sheet: Sheet) -> None:
     is_schematic=True,
 )
 def draw_fig13(sheet: Sheet) -> None:
-    """Draw it (was study.figures.schematics.impacts.draw_fig13)."""
-    # panel before: x_range [-0.72, 1.22], y_range [-1.06, 1.5155]
-    words = {
+    """Momenta and impulses, as a sum, to one scale."""
+    from study.analyses.fig01_03_13_19_22_schematics import impacts, parts
+
+    before = {
         "tangential": "$m v_t$",
         "normal": "$m v_n$",
         "spin": r"$I\omega$",
     }
-    # panel impulse: x_range [-0.72, 1.22], y_range [-1.06, 1.5155]
-    words = {
+    impulse = {
         "tangential": r"$P_t = \mu P_n$",
         "normal": "$P_n$",
         "moment": "$M$, neglected",
         "radius": "$r$",
         "contact point": "$C$",
     }
-    # panel after: x_range [-0.72, 1.22], y_range [-1.06, 1.5155]
-    words = {
+    after = {
         "tangential": "$m V_t$",
         "normal": "$m V_n$",
         "spin": r"$I\Omega$",
         "scale": "m/s × $m$",
     }
+    ends, scale = ((-0.72, 1.22), (-1.06, 1.5155)), impacts.fitting(sheet.tables["fig13"])
+    views = [
+        parts.view(sheet, name, (left, 6.0, 58.0, 77.0), ends, words, scale)
+        for name, left, words in (
+            ("before", 0.0, before),
+            ("impulse", 58.0, impulse),
+            ("after", 116.0, after),
+        )
+    ]
+    impacts.momentum_balance(*views)
+    parts.key(sheet)
 
 
 @Figure(
@@ -215,20 +242,29 @@ def draw_fig13(sheet: Sheet) -> None:
     is_schematic=True,
 )
 def draw_fig19(sheet: Sheet) -> None:
-    """Draw it (was study.figures.schematics.contact.draw_fig19)."""
-    # panel section: x_range [-1.346, 1.346], y_range [-0.345, 2.205]
-    words = {
+    """In multiples of the radius of the sphere, and of that of the contact."""
+    from study.analyses.fig01_03_13_19_22_schematics import contact, parts
+
+    section = {
         "contact": "$a$",
         "free shape": "$-n$",
         "radius": "$r$",
         "spin": r"$\theta$",
     }
-    # panel stresses: x_range [-1.76, 1.19], y_range [-1.33, 0.838]
-    words = {
+    stresses = {
         "pressure": "$p_0$",
         "ring tension": "$f_0$",
         "contact radius": "$a$",
     }
+    rows = sheet.tables["fig19"]
+    radius = float(rows.loc[rows["series"] == "free shape", "x_um"].max())
+    place, ends = (0.0, 6.0, 76.0, 72.0), ((-1.346, 1.346), (-0.345, 2.205))
+    contact.section(parts.view(sheet, "section", place, ends, section, radius))
+    pressure = sheet.tables["fig19_pressure"][["x_um", "y_GPa"]].to_numpy(float)
+    tension = float(sheet.tables["fig19_ring"]["y_N_per_m"].abs().max())
+    place, ends = (76.0, 6.0, 98.0, 72.0), ((-1.76, 1.19), (-1.33, 0.838))
+    contact.stresses(parts.view(sheet, "stresses", place, ends, stresses), pressure, tension)
+    parts.key(sheet)
 
 
 @Figure(
@@ -257,8 +293,9 @@ def draw_fig19(sheet: Sheet) -> None:
     is_schematic=True,
 )
 def draw_fig22(sheet: Sheet) -> None:
-    """Draw it (was study.figures.schematics.impacts.draw_fig22)."""
-    # panel geometry: x_range [-0.65, 0.56], y_range [-0.3, 0.544]
+    """In multiples of half the length of the surface, a wavelength."""
+    from study.analyses.fig01_03_13_19_22_schematics import impacts, parts
+
     words = {
         "incident velocity": "$v$",
         "angle": r"$\alpha$",
@@ -271,3 +308,8 @@ def draw_fig22(sheet: Sheet) -> None:
         "mean plane": "nominal surface",
         "surface": "true surface",
     }
+    rows = sheet.tables["fig22"]
+    wavelength = float(rows.loc[rows["series"] == "surface"].iloc[:, 3].max())
+    place, ends = (0.0, 6.0, 86.0, 60.0), ((-0.65, 0.56), (-0.3, 0.544))
+    impacts.wavy_surface(parts.view(sheet, "geometry", place, ends, words, wavelength))
+    parts.key(sheet)

@@ -7,20 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.layout_engine import PlaceHolderLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from numpy.typing import ArrayLike, NDArray
 
-from study.figures.registry import FigureSpec, PanelSpec
-from study.figures.style import MM_PER_INCH, WIDTH_MM
-from study.tables import Tables
+from study.figures.style import WIDTH_MM, Sheet
 
 Points = NDArray[np.float64]
-Place = tuple[float, float, float, float]
+Range = tuple[float, float]
 
 # How a part shows its evidence, and the words of the key.
 INK: dict[str, dict[str, Any]] = {
@@ -34,88 +29,87 @@ KEY = {
     "computed": "computed, to scale",
 }
 THIN, MEDIUM, THICK = 0.5, 0.8, 1.3
-LIGHT = "C2"
 STEEL, PALE = "0.8", "0.94"
 
 
 @dataclass(frozen=True, slots=True)
-class Sheet:
-    """One panel of a schematic: where it is drawn, points and evidence of its parts, its words."""
+class View:
+    """One panel of a schematic: where it is drawn, points and evidence of its parts, their words.
+
+    One unit of the drawing is `scale` of the table.
+    """
 
     ax: Axes
     points: Mapping[str, Points]
     evidence: Mapping[str, str]
-    panel: PanelSpec
+    words: Mapping[str, str]
+    scale: float
 
     def word(self, part: str) -> str:
-        """Return the label of a part as the registry has it; empty if it has none."""
-        spec = self.panel.series.get(part)
-        return spec.label if spec else ""
+        """Return the label of a part; empty if it has none."""
+        return self.words.get(part, "")
 
     def ink(self, part: str, width: float = MEDIUM) -> dict[str, Any]:
         """Return the pen for a part, by its evidence."""
         return {**INK[self.evidence[part]], "linewidth": width}
 
 
-def sheets(
-    tables: Tables, spec: FigureSpec, places: Mapping[str, Place], scale: float = 1.0
-) -> tuple[Figure, dict[str, Sheet]]:
-    """Return an empty figure and its panels, whose units are equally long along x and y.
+def view(
+    sheet: Sheet,
+    name: str,
+    place: tuple[float, float, float, float],
+    ends: tuple[Range, Range],
+    words: Mapping[str, str],
+    scale: float = 1.0,
+) -> View:
+    """Add a panel, without axes, whose units are equally long along x and y.
 
     Parameters
     ----------
-    tables
-        The first of them holds the parts of all panels.
-    spec
-        Registry entry; the ranges of its panels are what is drawn, without axes.
-    places
-        Left, lower end, width and height of each panel, mm.
+    sheet
+        Its first table holds the parts of all panels.
+    name
+        Of the panel.
+    place
+        Its left and lower end, width and height, mm.
+    ends
+        What is drawn of x and of y.
+    words
+        Labels by part.
     scale
-        What counts as one in the ranges, in the unit of the table: a drawing in multiples of, say,
+        What counts as one in the ends, in the unit of the table: a drawing in multiples of, say,
         the radius keeps its looks at another radius.
     """
-    width, height = WIDTH_MM[spec.width], spec.height_mm
-    # An engine of its own: without any, Matplotlib falls back to that of the style when it saves.
-    fixed = PlaceHolderLayoutEngine(adjust_compatible=True, colorbar_gridspec=True)
-    figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout=fixed)
-    table = tables[spec.data[0]]
-    x, y = table.columns[3], table.columns[4]
-    panels = {}
-    for letter, (name, panel) in zip("abcdefgh", spec.panels.items(), strict=False):
-        left, low, wide, high = places[name]
-        ax = figure.add_axes((left / width, low / height, wide / width, high / height))
-        ax.set(xlim=panel.x_range, ylim=panel.y_range, aspect="equal")
-        ax.set_axis_off()
-        if panel.title:
-            prefix = f"({letter}) " if len(spec.panels) > 1 else ""
-            spot = (left + 1.0) / width, (low + high - 0.5) / height
-            figure.text(*spot, prefix + panel.title, va="top", size=9)
-        rows = table[table["panel"] == name]
-        points = {str(p): part[[x, y]].to_numpy(float) / scale for p, part in _by_part(rows)}
-        evidence = {str(p): str(part["evidence"].iloc[0]) for p, part in _by_part(rows)}
-        panels[name] = Sheet(ax, points, evidence, panel)
-    key(figure, set(table["evidence"]))
-    return figure, panels
+    figure, titles = sheet.figure, sheet.declared.panels
+    figure.set_layout_engine("none")
+    width, height = WIDTH_MM[sheet.declared.width], sheet.declared.height_mm
+    left, low, wide, high = place
+    ax = figure.add_axes((left / width, low / height, wide / width, high / height))
+    ax.set(xlim=ends[0], ylim=ends[1], aspect="equal")
+    ax.set_axis_off()
+    if title := titles[name]:
+        prefix = f"({'abcdefgh'[list(titles).index(name)]}) " if len(titles) > 1 else ""
+        spot = (left + 1.0) / width, (low + high - 0.5) / height
+        figure.text(*spot, prefix + sheet.fill(title), va="top", size=9)
+    table = sheet.tables[sheet.declared.data[0]]
+    groups = {
+        str(part): rows
+        for part, rows in table[table["panel"] == name].groupby("series", sort=False)
+    }
+    points = {part: rows.iloc[:, 3:5].to_numpy(float) / scale for part, rows in groups.items()}
+    evidence = {part: str(rows["evidence"].iloc[0]) for part, rows in groups.items()}
+    return View(ax, points, evidence, {p: sheet.fill(word) for p, word in words.items()}, scale)
 
 
-def vectors(table: pd.DataFrame, panel: str) -> dict[str, Points]:
-    """Return the last point of every part of a panel, as in the table."""
-    rows = table[table["panel"] == panel]
-    return {str(name): part.iloc[-1, 3:5].to_numpy(float) for name, part in _by_part(rows)}
-
-
-def _by_part(rows: pd.DataFrame) -> Any:
-    return rows.groupby("series", sort=False)
-
-
-def key(figure: Figure, evidence: set[str]) -> None:
+def key(sheet: Sheet) -> None:
     """Give the evidence of the lines below the drawing."""
+    evidence = set(sheet.tables[sheet.declared.data[0]]["evidence"])
     handles = [
         Line2D([], [], linewidth=THICK, label=KEY[name], **look)
         for name, look in INK.items()
         if name in evidence
     ]
-    figure.legend(handles=handles, loc="lower center", ncols=len(handles), borderaxespad=0.4)
+    sheet.figure.legend(handles=handles, loc="lower center", ncols=len(handles), borderaxespad=0.4)
 
 
 def unit(turn: ArrayLike) -> Points:
@@ -137,21 +131,21 @@ def label(ax: Axes, spot: ArrayLike, text: str, **look: Any) -> None:
 
 
 def note(
-    sheet: Sheet, part: str, offset: ArrayLike, leader: ArrayLike | None = None, **look: Any
+    view: View, part: str, offset: ArrayLike, leader: ArrayLike | None = None, **look: Any
 ) -> None:
     """Write the word of a part beside its middle, with a thin line to a spot on it if given."""
-    points = sheet.points[part]
+    points = view.points[part]
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     spot = middle + np.asarray(offset, dtype=float)
     if leader is not None:
         end = middle + np.asarray(leader, dtype=float)
-        guide(sheet.ax, [0.95 * spot + 0.05 * end, end], color="0.4", zorder=6.5)
-    label(sheet.ax, spot, sheet.word(part), **look)
+        guide(view.ax, [0.95 * spot + 0.05 * end, end], color="0.4", zorder=6.5)
+    label(view.ax, spot, view.word(part), **look)
 
 
-def line(sheet: Sheet, part: str, width: float = MEDIUM, **look: Any) -> None:
+def line(view: View, part: str, width: float = MEDIUM, **look: Any) -> None:
     """Draw a part as a line through its points."""
-    sheet.ax.plot(*sheet.points[part].T, **{**sheet.ink(part, width), **look})
+    view.ax.plot(*view.points[part].T, **{**view.ink(part, width), **look})
 
 
 def guide(ax: Axes, points: ArrayLike, **look: Any) -> None:
@@ -160,29 +154,29 @@ def guide(ax: Axes, points: ArrayLike, **look: Any) -> None:
     ax.plot(*np.asarray(points, dtype=float).T, **{**pen, **look})
 
 
-def dashes(sheet: Sheet, part: str, width: float, **look: Any) -> None:
+def dashes(view: View, part: str, width: float, **look: Any) -> None:
     """Draw a part as separate strokes, one for each two points."""
-    pen = {**sheet.ink(part, width), "solid_capstyle": "butt", **look}
-    for stroke in sheet.points[part].reshape(-1, 2, 2):
-        sheet.ax.plot(*stroke.T, **pen)
+    pen = {**view.ink(part, width), "solid_capstyle": "butt", **look}
+    for stroke in view.points[part].reshape(-1, 2, 2):
+        view.ax.plot(*stroke.T, **pen)
 
 
-def box(sheet: Sheet, part: str, face: str = PALE, *, word: bool = True, **look: Any) -> None:
+def box(view: View, part: str, face: str = PALE, *, word: bool = True, **look: Any) -> None:
     """Draw a part as a box between two corners or as an outline, with its word inside."""
-    points = sheet.points[part]
+    points = view.points[part]
     if len(points) == 2:
         (left, low), (right, high) = points
         points = np.array([[left, low], [right, low], [right, high], [left, high]])
-    shape(sheet, part, points, face, **look)
+    shape(view, part, points, face, **look)
     if word:
-        label(sheet.ax, points.mean(axis=0), sheet.word(part), zorder=7)
+        label(view.ax, points.mean(axis=0), view.word(part), zorder=7)
 
 
-def shape(sheet: Sheet, part: str, points: ArrayLike, face: str, **look: Any) -> None:
+def shape(view: View, part: str, points: ArrayLike, face: str, **look: Any) -> None:
     """Draw a closed outline with the pen of a part."""
-    pen = {**sheet.ink(part), "zorder": 4, **look}
+    pen = {**view.ink(part), "zorder": 4, **look}
     pen["edgecolor"] = pen.pop("color")
-    sheet.ax.add_patch(Polygon(np.asarray(points), closed=True, facecolor=face, **pen))
+    view.ax.add_patch(Polygon(np.asarray(points), closed=True, facecolor=face, **pen))
 
 
 def sphere(ax: Axes, centre: ArrayLike, radius: float, **look: Any) -> None:
@@ -202,10 +196,10 @@ def arrow(ax: Axes, tail: ArrayLike, tip: ArrayLike, width: float = THICK, **loo
     ax.add_patch(FancyArrowPatch(*map(tuple, ends), **{**pen, **look}))
 
 
-def pointer(sheet: Sheet, part: str, width: float) -> None:
+def pointer(view: View, part: str, width: float) -> None:
     """Draw a part as an arrow between its two points."""
-    tail, tip = sheet.points[part]
-    arrow(sheet.ax, tail, tip, width, color=sheet.ink(part)["color"])
+    tail, tip = view.points[part]
+    arrow(view.ax, tail, tip, width, color=view.ink(part)["color"])
 
 
 def axis(ax: Axes, origin: ArrayLike, tip: ArrayLike, word: str, **look: Any) -> None:
@@ -249,22 +243,23 @@ def dimension(ax: Axes, ends: ArrayLike, text: str, spot: ArrayLike, **look: Any
     label(ax, spot, text, **look)
 
 
-def scale_bar(ax: Axes, right: ArrayLike, longest: float, scale: float, unit: str) -> None:
+def scale_bar(view: View, right: ArrayLike, longest: float, unit: str) -> None:
     """Draw a round length that ends at a spot, its value to the left.
 
     Parameters
     ----------
     longest
         What the length must not exceed, in units of the drawing.
-    scale
-        One unit of the drawing, in the unit that is written.
+    unit
+        That of the table, as it is written.
     """
-    power = 10.0 ** np.floor(np.log10(longest * scale))
-    value = max(step * power for step in (1.0, 2.0, 5.0) if step * power <= longest * scale)
+    most = longest * view.scale
+    power = 10.0 ** np.floor(np.log10(most))
+    value = max(step * power for step in (1.0, 2.0, 5.0) if step * power <= most)
     end = np.asarray(right, dtype=float)
-    begin = end - np.array([value / scale, 0.0])
+    begin = end - np.array([value / view.scale, 0.0])
     gap = np.array([0.03 * longest, 0.0])
-    dimension(ax, (begin, end), f"{value:g} {unit}", begin - 2.0 * gap, ha="right")
+    dimension(view.ax, (begin, end), f"{value:g} {unit}", begin - 2.0 * gap, ha="right")
 
 
 def ground(ax: Axes, left: float, right: float, depth: float, level: float = 0.0) -> None:
