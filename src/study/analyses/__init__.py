@@ -59,14 +59,6 @@ def printed(name: str) -> tuple[str, ...]:
     return tuple(getattr(analysis(name), "PRINTED_VALUES", ()))
 
 
-def stream(name: str) -> str:
-    """Return the name of the random numbers of an analysis: its own without its figures.
-
-    Drawing one figure more moves no number.
-    """
-    return re.sub(r"^fig(\d\d_)+", "", name)
-
-
 @cache
 def figures() -> MappingProxyType[str, Figure]:
     """Return all figures by name, those of the article first."""

@@ -7,6 +7,7 @@ Further keys beside it replace what is named for this analysis alone, and that i
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -20,6 +21,8 @@ from study.declared.provenance import Declared, as_declared, as_text, is_declara
 
 FROM, SEED = "from", "seed"
 NOTHING = "names nothing"
+# Figures in the name of an analysis; one more of them moves no number that it draws.
+_FIGURES = re.compile(r"^fig(\d\d_)+")
 
 
 def merged(old: Any, new: Any) -> Any:
@@ -173,7 +176,8 @@ class Resolver:
             self.aliases[key] = stands
         fields = kind.fields(node.get(KIND))
         if SEED in fields and SEED not in node:
-            node = {**node, SEED: self._seed(fields[SEED].stream or key.partition(".")[0], key)}
+            stream = fields[SEED].stream or _FIGURES.sub("", key.partition(".")[0])
+            node = {**node, SEED: self._seed(stream, key)}
         return {
             name: self._plain(fields.get(name, kind.item), child, f"{key}.{name}")
             for name, child in node.items()

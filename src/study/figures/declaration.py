@@ -89,8 +89,9 @@ class Figure:
     the message, in one sentence, `caption` says what is drawn, `method` how it was computed. The
     finding, and `as_shipped` and `contact` (the origin of the single contacts) at the end of the
     method, hold for the shipped inputs alone. `panels` have a title each, by the name of their
-    data, and stand in rows of `columns`, all side by side if not given. `evidence_labels` replace
-    words of the key of evidence, as of what another paper printed.
+    data, and stand in rows of `columns`, all side by side if not given; `views` show the data of
+    another panel, enlarged. `evidence_labels` replace words of the key of evidence, as of what
+    another paper printed.
     """
 
     name: str
@@ -110,6 +111,7 @@ class Figure:
     width: Literal["single", "double"] = "double"
     height_mm: float = 80.0
     columns: int | None = None
+    views: Mapping[str, str] = field(default_factory=dict)
     is_schematic: bool = False  # A drawing of parts, not a plot of one quantity over another
     draw: Draw = _no_drawing
 

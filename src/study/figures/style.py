@@ -54,6 +54,8 @@ SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
     "right": ((5.0, 0.0), "left", "center"),
 }
 
+# In ends of the axis: a point beyond has another unit.
+FAR = 20.0
 # Part of an axis in which no word fits.
 NARROW = 0.04
 ANGLES = (0, 15, 30, 45, 60, 75, 90)
@@ -190,7 +192,6 @@ class Sheet:
         ax: Axes,
         series: Mapping[str, Series] = NO_SERIES,
         *,
-        shows: str = "",
         fixed: bool = False,
         joined: bool = False,
         apart: float = 1.0,
@@ -207,8 +208,6 @@ class Sheet:
         series
             Words and looks by series, in the order of the legend; one that is not among them is
             drawn under its own name.
-        shows
-            Panel of the data, if it is not that of the axes' name, as for an enlarged view.
         fixed
             The upright axis does not grow: simulated values above it are written at its edge.
         joined
@@ -220,7 +219,8 @@ class Sheet:
             one after a blank.
         """
         series = {name: replace(each, label=self.fill(each.label)) for name, each in series.items()}
-        panel = shows or str(ax.get_label())
+        name = str(ax.get_label())
+        panel = self.declared.views.get(name, name)
         table = self.rows(panel)
         if omit:
             self._omitted.append(omit)
@@ -229,7 +229,7 @@ class Sheet:
         rows = table[table["panel"] == panel]
         is_point = rows["evidence"].isin(POINTS)
         all_points = table.loc[table["evidence"].isin(POINTS), "series"].unique()
-        enlarged = fixed and bool(shows)
+        enlarged = fixed and name in self.declared.views
         self.overlay(ax, rows[is_point], series, list(all_points), enlarged=enlarged)
         rows = rows[~is_point]
         calibrated = " (calibrated)" if {"computed", "calibrated"} <= set(table["evidence"]) else ""
@@ -241,10 +241,10 @@ class Sheet:
         names += [s for s in present if s not in series]
         is_simulated = rows["evidence"] == "virtual experiment"
         rows = pd.concat([rows[~is_simulated], _apart(rows[is_simulated], names, apart)])
-        for number, name in enumerate(names):
-            spec = series.get(name, Series(self.fill(name)))
+        for number, each in enumerate(names):
+            spec = series.get(each, Series(self.fill(each)))
             colour = f"C{number if spec.colour is None else spec.colour}"
-            curve = rows[rows["series"] == name]
+            curve = rows[rows["series"] == each]
             is_fitted = "calibrated" in set(curve["evidence"]) and not spec.band
             words = spec.label + (calibrated if is_fitted else "")
             label: str | None = words if spec.beside is None else f"_{words}"
@@ -287,6 +287,8 @@ class Sheet:
         if points.empty:
             return
         x, y = points.columns[3], points.columns[4]
+        for axis, values in ((ax.xaxis, points[x]), (ax.yaxis, points[y])):
+            _require_on(axis, values)
         if enlarged:
             points = points[points[x].between(*ax.get_xlim())]
         else:
@@ -374,6 +376,17 @@ class Sheet:
         entries = [*self._points, *entries]
         labels = {name: self.fill(text) for name, text in self.declared.evidence_labels.items()}
         evidence_key(self.figure, table["evidence"], entries, labels=labels, **look)
+
+
+def _require_on(axis: Axis, values: pd.Series[float]) -> None:
+    """Refuse points that an axis cannot show, or that have another unit, as percent."""
+    ends = axis.get_view_interval()
+    for value in values:
+        if axis.get_scale() == "log" and value <= 0.0:
+            raise ValueError(f"points of the user: {value:g} must be positive, as its axis is")
+        if abs(value) > FAR * max(map(abs, ends)):
+            shown = f"{min(ends):g} to {max(ends):g}"
+            raise ValueError(f"points of the user: {value:g} is far off the axis, {shown}")
 
 
 def _is(series: str, table: pd.DataFrame) -> pd.Series[bool]:

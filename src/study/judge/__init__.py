@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from study.claims.claim import Claim
 from study.judge.changed import Changed, with_inputs
-from study.judge.criteria import Claim, read_claims
-from study.judge.digitised import digitised_rows, read_digitised
+from study.judge.criteria import declared_claims
+from study.judge.digitised import digitised_rows
 from study.judge.independent import agreements, independent
 from study.judge.judging import (
     RESULT_COLUMNS,
@@ -50,20 +51,19 @@ class LedgerError(ValueError):
 
 def judge(
     tables: Mapping[str, pd.DataFrame],
-    criteria: Path | str,
     values: Mapping[str, Any] | None = None,
     changed: Changed = AS_SHIPPED,
 ) -> dict[str, pd.DataFrame]:
-    """Return the verdict on every claim of a file, from tables of numbers.
+    """Return the verdict on every claim, from tables of numbers.
 
     Parameters
     ----------
     tables
         ``claim_numbers``; ``claim_draws`` and ``posterior_contacts``, for the shares;
-        ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have
-        rows after the claims.
-    criteria, values
-        File of claims and values in its words, see `read_claims`.
+        ``external_evidence``; ``digitised_residuals``, whose series of digitised points have rows
+        after the claims; and ``amendments``, what of a claim was changed after first judging.
+    values
+        Parameters of ``claim_numbers``, for the words, see `declared_claims`.
     changed
         Inputs of the studies that are not as shipped, see `changed.with_inputs`.
 
@@ -76,7 +76,7 @@ def judge(
     """
     import pandas as pd
 
-    claims = read_claims(criteria, values)
+    claims = declared_claims(values)
     draws = tables["claim_draws"]
     drawn = shares(claims, draws, tables["posterior_contacts"]) if len(draws) else NO_SHARES
     ledger, numbers = verdicts(claims, tables["claim_numbers"], drawn)
@@ -84,12 +84,7 @@ def judge(
     agreeing = agreements(evidence)
     ledger["independent"] = [agreeing.get(name, "") for name in ledger["id"]]
     marked = [with_inputs(row, changed) for _, row in ledger.iterrows()]
-    rows, residuals = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
-    amendments = [
-        {"id": name, **asdict(amendment)}
-        for name, claim in claims.items()
-        for amendment in claim.amendments
-    ]
+    rows, residuals = digitised_rows(tables["digitised_residuals"])
     counts = [
         (name, *group, met / size, *interval, size)
         for name, share in drawn.items()
@@ -102,7 +97,7 @@ def judge(
         "claim_shares": pd.DataFrame(counts, columns=list(SHARE_COLUMNS)),
         "claim_results": pd.DataFrame([*numbers, *residuals], columns=list(RESULT_COLUMNS)),
         "claim_evidence": evidence,
-        "claim_amendments": pd.DataFrame(amendments, columns=list(AMENDMENT_COLUMNS)),
+        "claim_amendments": tables["amendments"],
     }
 
 
@@ -192,7 +187,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         "statement": claim.statement,
         "kind": claim.kind,
         "criterion": "; ".join(f"{labels[n]} {bounds(c.row)}" for n, c in claim.criteria.items()),
-        "article_value": claim.article_value,
+        "article_value": claim.article,
         "computed_value": computed_values(rows),
         "unit": claim.unit,
         "verdict": decision,
@@ -201,7 +196,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         "independent": "",
         "margin": margin,
         "evidence": claim.evidence,
-        "figures": " ".join(claim.figures),
+        "figures": claim.figures,
         "code": " ".join(filter(None, dict.fromkeys(numbers["code"]))),
         "inputs": " ".join(sorted({name for text in numbers["inputs"] for name in text.split()})),
         "changed_inputs": "",

@@ -3,15 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pydantic import ValidationError
-
-from study.declared.documents import load
-from study.declared.parameters import Name, Positive, build, explain
-from study.judge.criteria import DIGITISED, ClaimsError, Criterion, FigureName
+from study.claims.claim import Number
 from study.judge.judging import margins, results, verdict
 from study.judge.words import bounds, computed_values, fails, sentence
 from study.tables import Row
@@ -22,31 +16,20 @@ if TYPE_CHECKING:
 CODE = "study.analyses.digitised_comparison.run"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DigitisedCriteria:
-    """When digitised points agree with a computed curve; the key `DIGITISED` of the file."""
-
-    # Greatest rms of the differences over their standard uncertainties, if all points have bars.
-    normalised_rms: Positive
-    # Else the greatest rms of the differences, by figure, in the unit of its ordinate.
-    rms_difference: dict[FigureName, Positive]
-    reason: Name  # Why these bounds decide
-
-
-def read_digitised(path: Path | str) -> DigitisedCriteria:
-    """Read the criteria of digitised points from a file of claims.
-
-    Raises ClaimsError, naming the dotted key of every problem, one line each.
-    """
-    try:
-        return build(DigitisedCriteria, load(path).get(DIGITISED, {}))
-    except ValidationError as error:
-        raise ClaimsError("\n".join(explain(error, DigitisedCriteria, DIGITISED))) from None
+# Greatest rms of the differences over their standard uncertainties, if all points have bars; else
+# the greatest rms of the differences, by figure, in the unit of its ordinate.
+NORMALISED_RMS = 2.0
+RMS_DIFFERENCE = {"fig20": 4.0, "fig24": 0.2, "fig25": 0.2}
+RMS_ELSEWHERE = 0.05
+REASON = (
+    "Points with error bars (taken as 95 % intervals) may differ by an rms of two standard "
+    "uncertainties. For points without, the rms difference may be the width of the range that the "
+    "article prints for the restitution of steel on silicon; in Fig. 20 a twentieth of the largest "
+    "force, in Figs. 24 and 25 a twentieth of the ordinate."
+)
 
 
-def digitised_rows(
-    criteria: DigitisedCriteria, residuals: pd.DataFrame
-) -> tuple[list[Row], list[Row]]:
+def digitised_rows(residuals: pd.DataFrame) -> tuple[list[Row], list[Row]]:
     """Return the verdict on every series of digitised points, and the results behind it.
 
     It is judged against the computed series of its panel that bears its name, alone or before a
@@ -54,8 +37,6 @@ def digitised_rows(
 
     Parameters
     ----------
-    criteria
-        When points agree.
     residuals
         Table of that name, a row per series of points and computed series; may be empty.
 
@@ -66,18 +47,18 @@ def digitised_rows(
         of the table of results.
     """
     keys = ["figure", "panel", "points", "points_evidence"]
-    judged = [_judged(criteria, rows) for _, rows in residuals.groupby(keys, sort=False)]
+    judged = [_judged(rows) for _, rows in residuals.groupby(keys, sort=False)]
     return [row for row, _ in judged], [row for _, rows in judged for row in rows]
 
 
-def _judged(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> tuple[Row, list[Row]]:
+def _judged(residuals: pd.DataFrame) -> tuple[Row, list[Row]]:
     """Judge one series of points."""
     keys = ("figure", "panel", "points", "points_evidence")
     figure, panel, points, evidence = (str(residuals[key].iloc[0]) for key in keys)
     number = figure.removeprefix("fig")
     name = f"D{number}-{panel}-{points}"
     deciding = _deciding(residuals)
-    quantity, criterion = _criterion(criteria, figure, deciding)
+    quantity, criterion = _criterion(figure, deciding)
     unit = str(residuals["unit"].iloc[0]).replace("1", "-")
     units = {"rms_difference": unit, "normalised_rms": "-", "bias": unit}
     labels = {quantity: quantity.replace("_", " ") for quantity in units}
@@ -88,7 +69,7 @@ def _judged(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> tuple[Row, 
         finding, note = "not testable", "No point lies where a series is computed"
     else:
         finding = verdict("reproduced", margins({quantity: criterion}, deciding))
-        note = "; ".join(sentence(row) for row in rows if fails(row)) or criteria.reason
+        note = "; ".join(sentence(row) for row in rows if fails(row)) or REASON
         if beyond := int(residuals["beyond"].max()):
             note += f" Not judged: {beyond} points beyond a curve."
     row: Row = {
@@ -108,7 +89,7 @@ def _judged(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> tuple[Row, 
         "figures": figure,
         "code": CODE,
         "inputs": "digitised_residuals",
-        "reason": criteria.reason,
+        "reason": REASON,
         "note": note,
     }
     return row, [{"id": name, **row} for row in rows]
@@ -121,15 +102,8 @@ def _deciding(residuals: pd.DataFrame) -> pd.DataFrame:
     return within if named.empty else named
 
 
-def _criterion(
-    criteria: DigitisedCriteria, figure: str, deciding: pd.DataFrame
-) -> tuple[str, Criterion]:
-    """Return quantity and criterion: of points with error bars if all have one, else the figure's.
-
-    Raises ValueError if the figure has none.
-    """
+def _criterion(figure: str, deciding: pd.DataFrame) -> tuple[str, Number]:
+    """Return quantity and bound: of points with error bars if all have one, else the figure's."""
     if len(deciding) and (deciding["bars"] == deciding["n"]).all():
-        return "normalised_rms", Criterion(at_most=criteria.normalised_rms)
-    if figure not in criteria.rms_difference:
-        raise ValueError(f"digitised.rms_difference: {figure} has no bound")
-    return "rms_difference", Criterion(at_most=criteria.rms_difference[figure])
+        return "normalised_rms", Number(at_most=NORMALISED_RMS)
+    return "rms_difference", Number(at_most=RMS_DIFFERENCE.get(figure, RMS_ELSEWHERE))

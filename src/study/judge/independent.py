@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from microimpact.core.nearest import nearest
-from study.judge.criteria import Claim, ClaimsError
+from study.claims.claim import Claim
+from study.judge.criteria import ClaimsError
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
-from study.judge.criteria import UNDECIDED, Criterion, Finding, Verdict
+from study.claims.claim import Number
+from study.judge.criteria import UNDECIDED, Finding, Verdict
 from study.tables import Row
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ COVERED = 1.96
 
 
 def margins(
-    criteria: Mapping[str, Criterion], values: pd.DataFrame, errors: pd.DataFrame | None = None
+    criteria: Mapping[str, Number], values: pd.DataFrame, errors: pd.DataFrame | None = None
 ) -> FloatArray:
     """Return the distance of the worst number of each alternative from its bound.
 
@@ -94,7 +95,7 @@ def nearest_margin(margin: FloatArray) -> float:
 
 def results(
     numbers: pd.DataFrame,
-    criteria: Mapping[str, Criterion],
+    criteria: Mapping[str, Number],
     labels: Mapping[str, str],
     units: Mapping[str, str],
 ) -> list[Row]:

@@ -11,7 +11,7 @@ import numpy as np
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.statistics.importance import drawn_size
 from microimpact.statistics.intervals import wilson_interval
-from study.judge.criteria import Claim
+from study.claims.claim import Claim
 from study.judge.judging import FEWEST, MOST, judged, margins
 
 if TYPE_CHECKING:

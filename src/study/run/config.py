@@ -1,7 +1,7 @@
 """The configuration: files read, overlays merged, references resolved, all of it checked.
 
 A top-level key is one of `General`, a section of `studies.laboratory`, or the branch of an
-analysis: it bears the name of a module of `study.studies` and is checked against that
+analysis: it bears the name of a module of `study.analyses` and is checked against that
 module's ``Params``. All problems of a configuration are reported together, one line each;
 those of the files that it names after them.
 """
@@ -28,9 +28,9 @@ from study.contacts import ALL_LAWS
 from study.declared.documents import ConfigError, load, located
 from study.declared.parameters import Known, Name, Seed, adapter, build, explain
 from study.declared.provenance import Declared, unit_of
-from study.declared.references import Resolver, merged
+from study.declared.references import Resolver
 from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
-from study.figures.registry import AS_SHIPPED, FigureSpec, filled, registry
+from study.figures.declaration import Figure
 from study.laboratory import Laboratory
 from study.run.digitised import Digitised, as_rows, read_folder
 from study.run.stamp import changes
@@ -52,8 +52,6 @@ class General:
     contacts: Name
     printed_values: Name
     external: Name
-    figures: Name
-    claims: Name
     digitised: Name
     pathvars: Pathvars = field(default_factory=Pathvars)
 
@@ -80,11 +78,11 @@ _ENDS = np.array([0.0, 1.0])
 _BODIES = ("particle", "surface")
 SECTIONS = tuple(f.name for f in fields(Laboratory))
 # General keys that name a file or a folder.
-FILES = (*TABLES, "figures", "claims", "digitised")
+FILES = (*TABLES, "digitised")
 
 
 def read_configuration(folder: Path | str) -> dict[str, Any]:
-    """Read a folder of configuration: general keys, laboratory, analyses, settings of claims.
+    """Read a folder of configuration: general keys, laboratory, analyses.
 
     Raises ConfigError, in one line, if a file is no proper YAML, or a key stands in two of them.
     """
@@ -95,12 +93,7 @@ def read_configuration(folder: Path | str) -> dict[str, Any]:
         if twice := set(configuration) & set(content):
             raise ConfigError(f"{path}: {', '.join(sorted(twice))}: stands in another file, too")
         configuration |= content
-    settings = {
-        name: claim["with"]
-        for name, claim in load(folder / "claims.yaml").items()
-        if isinstance(claim, Mapping) and "with" in claim
-    }
-    return merged({"claim_numbers": settings}, configuration)  # type: ignore[no-any-return]
+    return configuration
 
 
 def validate(
@@ -355,19 +348,17 @@ class Inputs:
 
     # Rows of the declared tables that each study is given, as CSV by table.
     rows: Mapping[str, Mapping[str, str]]
-    # The figure registry with values filled in, plain and checked.
-    figure_entries: Mapping[str, Any]
-    figures: Mapping[str, FigureSpec]
+    figures: Mapping[str, Figure]  # Words filled in
     digitised: Mapping[str, Digitised]  # Digitised points by figure
 
 
-def read_inputs(settings: Settings, changed: Mapping[str, object] = AS_SHIPPED) -> Inputs:
+def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
     """Read and check every file that a checked configuration names.
 
     Parameters
     ----------
     changed
-        By study, inputs that are not as shipped.
+        Analyses that rest on inputs which are not as shipped.
 
     Raises
     ------
@@ -381,9 +372,6 @@ def read_inputs(settings: Settings, changed: Mapping[str, object] = AS_SHIPPED) 
     materials = _materials(tables.materials)
     with located(general.contacts):
         pairs = pairs_from_rows(tables.contacts.rows)
-    for key in ("figures", "claims"):
-        if not Path(path := getattr(general, key)).is_file():
-            raise ValueError(f"{key}: {path!r} must be a file; there is none")
     wrong = [
         f"{general.materials}: {name}: {line}"
         for name, material in materials.items()
@@ -396,13 +384,14 @@ def read_inputs(settings: Settings, changed: Mapping[str, object] = AS_SHIPPED) 
     ]
     if wrong:
         raise ValueError("\n".join(wrong))
-    with located(general.figures):
-        entries = filled(load(general.figures), settings.branches, settings.pairs, changed)
-        figures = registry(entries)
+    branches, pairs = settings.branches, settings.pairs
+    figures = {
+        name: each.filled(branches[each.analysis], pairs, changed=each.analysis in changed)
+        for name, each in analyses.figures().items()
+    }
     digitised = read_folder(general.digitised, figures)
     return Inputs(
         rows={name: study_rows(name, settings, digitised) for name in settings.branches},
-        figure_entries=entries,
         figures=figures,
         digitised=digitised,
     )

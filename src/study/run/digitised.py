@@ -6,7 +6,7 @@ The form of a file stands in ``config/digitised/README.md``.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -17,7 +17,7 @@ from microimpact.core.nearest import nearest
 from study.declared.documents import ConfigError
 from study.declared.parameters import Finite, build, explain
 from study.declared.selection import read_rows
-from study.figures.registry import FigureSpec
+from study.figures.declaration import Figure
 from study.tables import points_series
 
 # Loaded where there are points.
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 COLUMNS = ("series", "x", "y", "y_low", "y_high")
 # Characters of the name of a series: more would not fit below the narrowest figure.
 LONGEST = 48
-# In ends of the axis: a point beyond has another unit, as percent.
-FAR = 20.0
 # Problems of one file that are reported.
 MOST_LINES = 20
 
@@ -92,7 +90,7 @@ class Digitised:
     table: pd.DataFrame
 
 
-def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Digitised]:
+def read_folder(folder: str, figures: Mapping[str, Figure]) -> dict[str, Digitised]:
     """Read every file of digitised points in a folder, by figure.
 
     Its README and hidden or backup files do not count. Raises ConfigError with one line per
@@ -123,7 +121,7 @@ def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Dig
     return points
 
 
-def read_points(path: str, spec: FigureSpec) -> Digitised:
+def read_points(path: str, spec: Figure) -> Digitised:
     """Read the digitised points of one figure.
 
     Raises ConfigError with file and line of its problems, of many the first; OSError if the file
@@ -138,8 +136,7 @@ def read_points(path: str, spec: FigureSpec) -> Digitised:
         except ValueError as error:
             problems.append(f"line {line}, series: {error}")
             continue
-        problems += [f"line {line}, {fault}" for fault in _off_the_axes(point, panel, spec)]
-        shown = spec.panels[panel].shows or panel
+        shown = spec.views.get(panel, panel)
         first = lines.setdefault((shown, name, *astuple(point)[1:]), line)
         if first != line:
             problems.append(f"line {line}, series: repeats the point of line {first}")
@@ -169,32 +166,18 @@ def _header(comments: list[str], problems: list[str]) -> Header | None:
         return None
 
 
-def _panel_and_name(series: str, spec: FigureSpec) -> tuple[str, str]:
+def _panel_and_name(series: str, spec: Figure) -> tuple[str, str]:
     """Return the panel and the name in the text of a series."""
     panel, colon, name = series.partition(": ")
     if not (colon and panel in spec.panels and len(spec.panels) > 1):
         # Panels may be views of the same data.
-        if len({axes.shows or own for own, axes in spec.panels.items()}) > 1:
+        if len({spec.views.get(each, each) for each in spec.panels}) > 1:
             known = f"{', '.join(spec.panels)}{nearest(panel, spec.panels)}"
             raise ValueError(f"{series!r} must be 'panel: name', panel one of {known}")
         panel, name = next(iter(spec.panels)), series
     if len(name) > LONGEST:
         raise ValueError(f"{name!r} must have at most {LONGEST} characters")
     return panel, name
-
-
-def _off_the_axes(point: Point, panel: str, spec: FigureSpec) -> Iterator[str]:
-    """Yield a line for a coordinate that its axis cannot show, or that has another unit.
-
-    The logarithmic axes of the registry begin above zero.
-    """
-    axes = spec.panels[panel]
-    for column, value, ends in (("x", point.x, axes.x_range), ("y", point.y, axes.y_range)):
-        if ends[0] > 0.0 >= value:
-            yield f"{column}: {value:g} must be positive, as the axis of {panel!r} is"
-        elif abs(value) > FAR * max(map(abs, ends)):
-            shown = f"{ends[0]:g} to {ends[1]:g}"
-            yield f"{column}: {value:g} is far off the axis of {panel!r}, {shown}"
 
 
 def as_rows(points: Mapping[str, Digitised], figures: Iterable[str]) -> dict[str, str]:
@@ -213,7 +196,7 @@ def as_rows(points: Mapping[str, Digitised], figures: Iterable[str]) -> dict[str
 
 
 def overlaid(
-    tables: Mapping[str, pd.DataFrame], spec: FigureSpec, points: Digitised
+    tables: Mapping[str, pd.DataFrame], spec: Figure, points: Digitised
 ) -> dict[str, pd.DataFrame]:
     """Return the figure data with the points as further rows of the first table."""
     import pandas as pd

@@ -34,7 +34,7 @@ from study.analyses.claim_numbers import (
 )
 from study.contacts import calibrated_contact
 from study.analyses.mechanisms import compute as mechanisms
-from study.analyses.mechanisms.compute import spore as spore_mechanism
+from study.analyses.mechanisms import spore as spore_mechanism
 from study.analyses.mechanisms.shallow import adhesion_or_roughness, shallow_curves
 from study.analyses.calibration import compute as calibration_study
 

@@ -15,7 +15,7 @@ from microimpact.core.arrays import FloatArray
 from microimpact.model.dynamics.impact import velocity_components
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from study.analyses.fig01_03_13_19_22_schematics.compute import layout
+from study.analyses.fig01_03_13_19_22_schematics import layout
 from study.contacts import calibrated_contact
 from study.declared.parameters import (
     AngleDegrees,

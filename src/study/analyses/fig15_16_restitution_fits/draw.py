@@ -65,6 +65,7 @@ LOOKS_FIG16_RESTITUTION = {
     """,
     {"restitution": "all speeds", "capture": "near capture, enlarged"},
     data=("fig15",),
+    views={"capture": "restitution"},
     equations="25, 34",
     article="""
         Points measured by others, with fits of the empirical equations: polystyrene latex
@@ -94,7 +95,7 @@ def draw_fig15(sheet: Sheet) -> None:
     sheet.ticks(capture.xaxis, (0.9, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0))
     sheet.steps(restitution.xaxis, 1.0, 2.0, 5.0)
     sheet.draw(restitution, LOOKS_FIG15_RESTITUTION, fixed=True)
-    sheet.draw(capture, LOOKS_FIG15_RESTITUTION, shows="restitution", fixed=True)
+    sheet.draw(capture, LOOKS_FIG15_RESTITUTION, fixed=True)
     sheet.keys()
 
 
@@ -108,6 +109,7 @@ def draw_fig15(sheet: Sheet) -> None:
     """,
     {"restitution": "all speeds", "capture": "near capture, enlarged"},
     data=("fig16",),
+    views={"capture": "restitution"},
     equations="25, 34",
     article="""
         A simulation of steel on silicon, based on measured points, and the fit of the
@@ -135,5 +137,5 @@ def draw_fig16(sheet: Sheet) -> None:
     sheet.ticks(capture.xaxis, (0.16, 0.18, 0.2, 0.22, 0.24))
     sheet.steps(restitution.xaxis, 1.0, 2.0, 5.0)
     sheet.draw(restitution, LOOKS_FIG16_RESTITUTION, fixed=True)
-    sheet.draw(capture, LOOKS_FIG16_RESTITUTION, shows="restitution", fixed=True)
+    sheet.draw(capture, LOOKS_FIG16_RESTITUTION, fixed=True)
     sheet.keys()

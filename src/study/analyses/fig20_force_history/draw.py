@@ -30,6 +30,7 @@ LOOKS_FIG20_FORCE = {
     """,
     {"force": "whole contact", "dips": "enlarged: attraction near both ends"},
     data=("fig20",),
+    views={"dips": "force"},
     equations="19, 25, 30",
     article="""
         The simulated normal force and its terms against time, for ammonium fluorescein of
@@ -51,5 +52,5 @@ def draw_fig20(sheet: Sheet) -> None:
     for ax in (force, dips):
         sheet.level(ax, 0.0)
     sheet.draw(force, LOOKS_FIG20_FORCE)
-    sheet.draw(dips, LOOKS_FIG20_FORCE, shows="force", fixed=True)
+    sheet.draw(dips, LOOKS_FIG20_FORCE, fixed=True)
     sheet.keys()
