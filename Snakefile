@@ -5,7 +5,7 @@ snakemake fig17                                   one figure and what it needs
 snakemake fig17 --configfile config/examples/high-friction.yaml
 snakemake --configfile config/ci.yaml             everything, small, into build/ci/
 
-One way for the data: config branch -> study -> results/data, results/tables -> figure.
+One way for the data: config branch -> analysis -> results/data, results/tables -> figure.
 """
 
 from snakemake.utils import min_version
@@ -17,9 +17,6 @@ report: "workflow/report/overview.rst"
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/study.smk"
-include: "workflow/rules/experiments.smk"
-include: "workflow/rules/models.smk"
 include: "workflow/rules/analyses.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/figures.smk"

@@ -41,7 +41,7 @@ TINY = {
             "slow, oblique": {"simulated": 3000},
         },
     },
-    "monte_carlo": {
+    "fig23_monte_carlo": {
         "plan": {"replicates": 4, "events": 64},
         "slope_inference": {"plan": {"events": 64}},
     },

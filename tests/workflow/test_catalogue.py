@@ -34,7 +34,7 @@ def test_another_workflow_plans_all_of_this_one(elsewhere):
 
 def test_another_workflow_makes_one_figure_by_rules_and_inputs_of_its_own(elsewhere):
     (elsewhere.root / "Snakefile").write_text(f"{SNAKEFILE.rstrip()} as article_*\n")
-    overlay = {"coulomb_friction": {"points": 7}, "pathvars": {"results": "made"}}
+    overlay = {"fig17_coulomb_friction": {"points": 7}, "pathvars": {"results": "made"}}
     (elsewhere.root / "mine.yaml").write_text(yaml.safe_dump(overlay))
     (elsewhere.root / "made").mkdir()
     (elsewhere.root / "made/beside.txt").write_text("a result of the other workflow")

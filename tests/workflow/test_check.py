@@ -93,7 +93,7 @@ def test_each_small_change_is_seen_in_its_figures_and_tables_alone(checked):
     assert data | figures == {"fig14", "fig17", "fig20", "posterior_bands", *doppler} | {
         "doppler_pairs"
     }
-    assert "config, restitution_trends.body_speed_m_per_s" in done.stdout
+    assert "config, fig14_restitution_trends.body_speed_m_per_s" in done.stdout
     assert re.search(r"\| value +\| 30 +\| 30\.03 +\| 1\.0e-03 +\|", done.stdout)
     calibrated = {"calibration", "force_ratios", "molybdenum_capture"}
     admitted = {"posterior_contacts", "evidence_statements", "evidence_summary"}

@@ -70,7 +70,7 @@ RULES_OF = {name: {name, f"{name}_figures"} for name in ("coulomb_friction", "re
         # The registry: figures of one study. A parameter in the words of a figure redraws it.
         (
             [("config/figures.yaml", lambda text: text.replace("Coefficient\n", "Value\n", 1))],
-            {"coulomb_friction": {"spin_friction": 0.3}},
+            {"fig17_coulomb_friction": {"spin_friction": 0.3}},
             {*RULES_OF["coulomb_friction"], "restitution_trends_figures", *TOLD},
         ),
         # Words of provenance: the table of inputs, and the report that shows it.
@@ -131,7 +131,7 @@ def test_the_number_of_parts_changes_no_byte(built, tmp_path):
 
 def test_bad_input_is_one_line_a_problem_and_writes_nothing(project, tmp_path):
     path = tmp_path / "overlay.yaml"
-    overlay = {"seed": "x", "coulomb_frction": {}, "coulomb_friction": {"spin_fricton": 1}}
+    overlay = {"seed": "x", "coulomb_frction": {}, "fig17_coulomb_friction": {"spin_fricton": 1}}
     path.write_text(yaml.safe_dump({**overlay, "pathvars": {"results": "build/refused"}}))
     # Nested values on the command line always arrive as text.
     nested = "coulomb_friction={points: x, spin_friction: 0.3}"
@@ -206,7 +206,7 @@ def test_an_overlay_that_changes_inputs_does_not_write_among_the_shipped_results
     overlay = tmp_path / "overlay.yaml"
     overlay.write_text("coulomb_friction: {spin_friction: 0.3}\n")
     told = project.snakemake("fig17", "--configfile", str(overlay), check=False).text
-    assert "overlay changes coulomb_friction.spin_friction, so its results need a" in told
+    assert "overlay changes fig17_coulomb_friction.spin_friction, so its results need a" in told
     assert not (project.root / "results").exists()
 
 
@@ -236,7 +236,7 @@ def test_one_target_with_other_inputs_leaves_nothing_that_tells_the_old_ones(pro
         assert not [name for name in stamp["outdated"] if "fig17" in name or "fig20" in name]
         assert "Made earlier, from other inputs" in said
         assert (
-            "restitution_trends.body_speed_m_per_s,130," in (out / "tables/inputs.csv").read_text()
+            "fig14_restitution_trends.body_speed_m_per_s,130," in (out / "tables/inputs.csv").read_text()
         )
         assert not (out / "report/run.html").exists()
         # Made by the run itself; its rule need not run again.

@@ -1,7 +1,7 @@
 """The ledgers of claims and equations, with their numbers and verdicts."""
 
 
-use rule study as claim_numbers with:
+use rule analysis as claim_numbers with:
     """tables/claim_numbers.csv: the numbers that decide the claims.
 
     tables/claim_draws.csv: these numbers for every drawn contact that the printed statements admit.
@@ -12,7 +12,7 @@ use rule study as claim_numbers with:
     output:
         **tables("claim_numbers", "claim_draws"),
     pathvars:
-        study="claim_numbers",
+        analysis="claim_numbers",
     params:
         **parameters("claim_numbers"),
 
@@ -29,7 +29,7 @@ rule claims:
     input:
         **tables("claim_numbers", "claim_draws", "posterior_contacts"),
         **tables("external_evidence", "digitised_residuals"),
-        criteria=SETTINGS.general.claims,
+        amendments=PROJECT / "config/amendments.csv",
     output:
         **tables("claim_results", "claim_shares", "claim_evidence", "claim_amendments"),
         claims=report(
@@ -44,11 +44,12 @@ rule claims:
         "<results>/benchmarks/claims.tsv"
     params:
         ledger="claims",
+        module="study.judge",
         rows={},
         branch=SETTINGS.branches["claim_numbers"],
         changed={
-            study: CHANGED[study]
-            for study in sorted({"claim_numbers", *analyses.needs("claim_numbers").values()})
+            name: CHANGED[name]
+            for name in sorted({"claim_numbers", *analyses.needs("claim_numbers").values()})
             if CHANGED
         },
         rests_on=digest_of_inputs("claim_numbers", "digitised_comparison"),
@@ -76,6 +77,7 @@ rule equations:
         "<results>/benchmarks/equations.tsv"
     params:
         ledger="equations",
+        module="study.equations",
         rows=SETTINGS.tables.of_pair("stainless-steel-316", "silicon"),
         code=digest_of_code(
             "study.equations",

@@ -40,8 +40,8 @@ import closure
 
 from study import analyses
 from microimpact.core.files import of_other_inputs
-from study.figures.registry import FORMATS
-from study.judge.criteria import read_claims
+from study.figures.declaration import FORMATS
+from study.judge.criteria import declared_claims
 from study.report import explorer, site
 from study.report.site import record as site_record
 from study.declared.documents import load, located
@@ -66,12 +66,11 @@ try:
     SETTINGS = validate(config, SHIPPED)
     stamp.require_own_root(config, base)
     CHANGED = changed_inputs(SETTINGS, validate(SHIPPED, SHIPPED)) if config != SHIPPED else {}
-    INPUTS = read_inputs(SETTINGS, CHANGED)
+    INPUTS = read_inputs(SETTINGS, [name for name, inputs in CHANGED.items() if inputs])
     if workflow.is_main_process:  # not in every job
         if Path(workflow.basedir).is_relative_to(PROJECT):  # a module writes beside other results
             stamp.require_results_folder(RESULTS)
-        with located(SETTINGS.general.claims):
-            read_claims(SETTINGS.general.claims, SETTINGS.branches["claim_numbers"])
+        declared_claims(SETTINGS.branches["claim_numbers"])
 except (ValueError, OSError) as error:
     raise WorkflowError(f"problems in the declared inputs:\n{error}") from None
 except (ImportError, SyntaxError) as error:
@@ -80,7 +79,7 @@ except (ImportError, SyntaxError) as error:
         f"an analysis cannot be imported:\n{line.filename}, line {line.lineno}: {error}"
     ) from None
 
-FIGURES, FIGURE_ENTRIES, DIGITISED = INPUTS.figures, INPUTS.figure_entries, INPUTS.digitised
+FIGURES, DIGITISED = INPUTS.figures, INPUTS.digitised
 
 
 def tables(*names):
@@ -101,18 +100,18 @@ def sample_files(node):
     return [path for item in node for path in sample_files(item)] if isinstance(node, list) else []
 
 
-def parameters(study):
-    """Return the parameters of a study's rule, a change of which runs it again.
+def parameters(analysis):
+    """Return the parameters of an analysis' rule, a change of which runs it again.
 
     Its branch of the configuration; the rows of declared tables that the branch names; the digest
     of all inputs that its results rest on; the digest of its code.
     """
     return {
-        "study": study,
-        "branch": SETTINGS.branches[study],
-        "rows": INPUTS.rows[study],
-        "rests_on": digest_of_inputs(study),
-        "code": digest_of_code(analyses.homes()[study], script="run_study.py"),
+        "analysis": analysis,
+        "branch": SETTINGS.branches[analysis],
+        "rows": INPUTS.rows[analysis],
+        "rests_on": digest_of_inputs(analysis),
+        "code": digest_of_code(analyses.homes()[analysis], script="run_analysis.py"),
     }
 
 
@@ -125,7 +124,7 @@ def digest_of_inputs(*names):
     texts = []
     for name in names:
         if name in FIGURES:
-            texts += [FIGURE_ENTRIES[name], digest_of_inputs(FIGURES[name].study)]
+            texts += [FIGURES[name].entry(), digest_of_inputs(FIGURES[name].analysis)]
             texts += [Path(DIGITISED[name].path).read_text()] if name in DIGITISED else []
         else:
             texts += [SETTINGS.branches[name], INPUTS.rows[name]]

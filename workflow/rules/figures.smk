@@ -2,13 +2,13 @@
 
 FIGURES_OF = {}
 for figure, spec in FIGURES.items():
-    FIGURES_OF.setdefault(spec.study, []).append(figure)
+    FIGURES_OF.setdefault(spec.analysis, []).append(figure)
 
-for study, drawn in FIGURES_OF.items():
+for analysis, drawn in FIGURES_OF.items():
 
     rule:
         name:
-            f"{study}_figures"
+            f"{analysis}_figures"
         input:
             **data(*(table for figure in drawn for table in FIGURES[figure].data)),
             **{f"{name}_digitised": DIGITISED[name].path for name in drawn if name in DIGITISED},
@@ -28,16 +28,19 @@ for study, drawn in FIGURES_OF.items():
                 for kind in ("png", "pdf", "csv")
             ],
         log:
-            f"<results>/logs/{study}_figures.log",
+            f"<results>/logs/{analysis}_figures.log",
         benchmark:
-            f"<results>/benchmarks/{study}_figures.tsv"
+            f"<results>/benchmarks/{analysis}_figures.tsv"
         # Nothing but the report waits for a figure; studies wait for studies.
         priority: -1
         params:
-            entries={figure: FIGURE_ENTRIES[figure] for figure in drawn},
+            entries={figure: FIGURES[figure].entry() for figure in drawn},
+            branch=SETTINGS.branches[analysis],
+            pairs=SETTINGS.pairs_of(analysis),
             rests_on=digest_of_inputs(*drawn),
             code=digest_of_code(
-                *sorted({FIGURES[figure].module for figure in drawn}), script="draw_figures.py"
+                *sorted({FIGURES[figure].draw.__module__ for figure in drawn}),
+                script="draw_figures.py",
             ),
         script:
             "../scripts/draw_figures.py"

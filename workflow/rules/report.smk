@@ -42,7 +42,7 @@ rule report:
         record=lambda wildcards: site_record.record_of(
             config=config,
             shipped=SHIPPED,
-            figures=FIGURE_ENTRIES,
+            figures={name: figure.entry() for name, figure in FIGURES.items()},
             rows=INPUTS.rows,
             project=PROJECT,
         ).plain(),

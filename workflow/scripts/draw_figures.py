@@ -1,15 +1,14 @@
-"""Draw the figures of one study from its tables, each as SVG, PNG, PDF and table of its content."""
+"""Draw the figures of an analysis from its tables, each as SVG, PNG, PDF and table of its content."""
 
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from job import run
-from matplotlib.figure import Figure
 
 from study.figures.content import content
-from study.figures.registry import FORMATS, FigureSpec, figure_spec
-from study.figures.style import save, without_data
+from study.figures.declaration import FIGURES, FORMATS, Figure
+from study.figures.style import Sheet, context, save, without_data
 from study.run.digitised import overlaid, read_points
 from study.tables import NOT_COMPUTED, NotComputedError, read_figure_data, write_table
 
@@ -17,36 +16,41 @@ from study.tables import NOT_COMPUTED, NotComputedError, read_figure_data, write
 def main(job: Any) -> str:
     """Draw the figures and return a line on what was drawn.
 
-    The rule gives the registry entries by figure as ``params.entries``, the tables as named inputs
+    The rule gives the words of each figure as ``params.entries``, the parameters of the analysis as
+    ``params.branch`` and the materials of its cases as ``params.pairs``, the tables as named inputs
     and so the files of digitised points, as ``fig17_digitised``, if there are any.
     """
     folder, account = Path(job.output[0]).parent, []
-    for figure, entry in job.params.entries.items():
-        spec = figure_spec(figure, entry)
+    for name, entry in job.params.entries.items():
+        import_module(entry["drawing"].rpartition(".")[0])
+        figure = FIGURES[name].with_texts(entry)
         try:
-            picture, words = drawn(spec, job)
+            sheet, words = drawn(figure, job)
+            picture = sheet.figure
         except NotComputedError as why:
             words = f"{NOT_COMPUTED}: {why}"
-            picture = without_data(spec, words)
-        save(picture, *(folder / f"{figure}.{kind}" for kind in FORMATS))
-        write_table(content(picture, spec), folder / f"{figure}.csv")
-        account.append(f"{figure}: {words}\n")
+            picture = without_data(figure, words)
+        save(picture, *(folder / f"{name}.{kind}" for kind in FORMATS))
+        write_table(content(picture, figure), folder / f"{name}.csv")
+        account.append(f"{name}: {words}\n")
     return "".join(account)
 
 
-def drawn(spec: FigureSpec, job: Any) -> tuple[Figure, str]:
+def drawn(figure: Figure, job: Any) -> tuple[Sheet, str]:
     """Return a figure, and a line on what it was drawn from.
 
     Raises NotComputedError if one of its tables could not be computed.
     """
-    tables = {name: read_figure_data(job.input[name]) for name in spec.data}
+    tables = {name: read_figure_data(job.input[name]) for name in figure.data}
     origin = ""
-    if path := job.input.get(f"{spec.name}_digitised"):
-        points = read_points(path, spec)
-        tables = overlaid(tables, spec, points)
+    if path := job.input.get(f"{figure.name}_digitised"):
+        points = read_points(path, figure)
+        tables = overlaid(tables, figure, points)
         origin = f", {points.evidence} points from {points.header.source}"
-    draw = getattr(import_module(spec.module), spec.function)
-    return draw(tables, spec), f"drawn from {', '.join(tables)}{origin}"
+    with context():
+        sheet = Sheet(figure, tables, job.params.branch, job.params.pairs)
+        figure.draw(sheet)
+    return sheet, f"drawn from {', '.join(tables)}{origin}"
 
 
 if __name__ == "__main__":

@@ -21,9 +21,9 @@ __all__ = ["CLAIMS", "SECTIONS", "Params", "numbers_of", "run"]
 NEEDS = {
     "inference": ("posterior_contacts",),
     "calibration": ("calibration", "calibration_family", "molybdenum_capture"),
-    "force_history": ("force_ratios",),
+    "fig20_force_history": ("force_ratios",),
     "rolling_dissipation": ("rolling_dissipation",),
-    "restitution_fits": ("restitution_fits",),
+    "fig15_16_restitution_fits": ("restitution_fits",),
     "track_imaging": ("ptis_range",),
     "pair_search": ("pairing_quality",),
     "interval_coverage": ("interval_coverage",),
@@ -40,8 +40,8 @@ NEEDS = {
         "spore_trends",
         "surface_pairs",
     ),
-    "doe": ("doe_bd_aliasing", "doe_design", "doe_effects", "doe_elasticities", "doe_levels"),
-    "monte_carlo": ("monte_carlo",),
+    "fig24_25_doe": ("doe_bd_aliasing", "doe_design", "doe_effects", "doe_elasticities", "doe_levels"),
+    "fig23_monte_carlo": ("monte_carlo",),
 }
 PRINTED_VALUES = (
     "restitution_sst76_silicon",

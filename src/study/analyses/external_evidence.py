@@ -32,8 +32,8 @@ from study.tables import Tables
 
 NEEDS = {
     "calibration": ("calibration",),
-    "doe": ("doe_levels", "doe_effects"),
-    "monte_carlo": ("monte_carlo",),
+    "fig24_25_doe": ("doe_levels", "doe_effects"),
+    "fig23_monte_carlo": ("monte_carlo",),
     "oblique_data": ("oblique_residuals",),
 }
 

@@ -161,6 +161,10 @@ class Figure:
         texts = {key: getattr(held, key) for key in TEXTS}
         return replace(held, **documents.filled(texts, values, self.name, pairs))
 
+    def with_texts(self, texts: Mapping[str, Any]) -> Figure:
+        """Return the figure with other texts, as `entry` has them."""
+        return replace(self, **{key: texts[key] for key in TEXTS}, as_shipped="", contact="")
+
     def entry(self) -> dict[str, Any]:
         """Return what is said of the figure as plain values, without what draws it."""
         keys = (*TEXTS, "analysis", "data", "article", "width", "height_mm")

@@ -8,6 +8,7 @@ those of the files that it names after them.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, make_dataclass
 from functools import cache
@@ -68,6 +69,11 @@ class Settings:
     rows: Mapping[str, Mapping[str, str]]
     pairs: Mapping[str, tuple[str, str]]  # Materials of particle and surface of every case
     declared: tuple[Declared, ...]  # Every value as it is used
+
+    def pairs_of(self, name: str) -> dict[str, tuple[str, str]]:
+        """Return particle and surface of the cases that an analysis names."""
+        text = json.dumps(self.branches[name], ensure_ascii=False)
+        return {case: bodies for case, bodies in self.pairs.items() if case in text}
 
 
 CALIBRATION = "calibration"

@@ -55,7 +55,7 @@ def run_study(
 
     Examples
     --------
-    >>> smaller = run_study("force_history", diameter_um=2.58)
+    >>> smaller = run_study("fig20_force_history", diameter_um=2.58)
     >>> sorted(smaller)
     ['fig20', 'force_ratios']
     """

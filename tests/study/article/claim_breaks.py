@@ -158,7 +158,7 @@ def equal_pull_off_forces(claim, world):
 
 def force_history(claim, world, **factors):
     """The contact behind Fig. 20 with one property multiplied."""
-    case = world.settings.branches["force_history"]["case"]
+    case = world.settings.branches["fig20_force_history"]["case"]
     return world.numbers(claim, world.study("force_history", world.calibration(case, **factors)))
 
 

@@ -50,7 +50,7 @@ def drawn_over(figures):
 
 @pytest.fixture(scope="module")
 def coulomb(run_study):
-    return run_study("coulomb_friction")
+    return run_study("fig17_coulomb_friction")
 
 
 def legend_texts(figure):
@@ -129,10 +129,10 @@ SPEEDS = [0.15, 0.19, 0.21, 0.25, 0.3, 0.4, 0.5, 0.7, 1.0, 1.4, 1.7, 2.0]
 
 def test_points_of_a_case_are_fitted(run_study, calibration, settings, points, drawn_over):
     lines = [*eq_34(CASE, SPEEDS, noise=1e-4), f'"{OTHER}",1.0,0.6,,', "unknown,1,0.5,,"]
-    cases = settings.branches["restitution_fits"]["cases"]
+    cases = settings.branches["fig15_16_restitution_fits"]["cases"]
     few = {n: None for n, c in cases.items() if c["figure"] != "fig16" and c["fitted"]}
     inputs = calibration | {"digitised": rows_of(points("fig16", *lines))}
-    tables = run_study("restitution_fits", inputs, cases=few)
+    tables = run_study("fig15_16_restitution_fits", inputs, cases=few)
     fits = tables["restitution_fits"]
     assert "unknown" not in set(fits["case"])
     digitised = fits[fits["evidence"] == "digitised"]

@@ -23,7 +23,7 @@ def angles(oblique):
 
 
 def test_energy_loss_is_one_minus_the_mean_square(run_study, calibration):
-    tables = run_study("normal_experiments", calibration, speeds_m_per_s=[1.25], points=60)
+    tables = run_study("fig04_05_normal_experiments", calibration, speeds_m_per_s=[1.25], points=60)
     row = tables["normal_experiments"].set_index("population").loc["SST125"]
     # The mean of e^2 exceeds the square of the mean by the variance alone.
     assert row["energy_loss"] == pytest.approx(1.0 - row["restitution"] ** 2, abs=2e-3)
@@ -64,7 +64,7 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
     (one,) = params.experiments
     tables = campaign.conducted(params, one, *campaign.contact(params, one, inputs))
     if angle == 90:
-        found = run_study("normal_experiments", calibration, speeds_m_per_s=[speed], points=10)
+        found = run_study("fig04_05_normal_experiments", calibration, speeds_m_per_s=[speed], points=10)
         rows = found["normal_experiments"].set_index("population")
     else:
         size = "silicon front"
@@ -73,7 +73,7 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
             "angles_deg": [angle],
             "reference_angle_deg": angle,
         }
-        found = run_study("oblique_experiments", calibration, points=10, **changes)
+        found = run_study("fig06_12_oblique_experiments", calibration, points=10, **changes)
         rows = found["oblique_experiments"].set_index("series")
     names = ("dropped", "events", "restitution", "restitution_low", "restitution_high")
     assert [rows.loc[size, name] for name in names] == [tables[name] for name in names]

@@ -8,7 +8,7 @@ import pytest
 
 @pytest.fixture(scope="module")
 def tables(made):
-    return made("restitution_fits")
+    return made("fig15_16_restitution_fits")
 
 
 @pytest.fixture(scope="module")
@@ -40,12 +40,12 @@ def test_curves_end_in_capture(tables):
 
 def test_fits_from_closer_to_capture_are_closer(run_study, settings, calibration):
     # v_c from data above capture: better the nearer the data come
-    cases = settings.branches["restitution_fits"]["cases"]
+    cases = settings.branches["fig15_16_restitution_fits"]["cases"]
     case = next(name for name in cases if "n = 0" in name)
     left_out = dict.fromkeys(set(cases) - {next(iter(cases)), case})
     errors = []
     for start in (1.05, 1.5, 3.0):
-        found = run_study("restitution_fits", calibration, cases=left_out, fitted_from=start)
+        found = run_study("fig15_16_restitution_fits", calibration, cases=left_out, fitted_from=start)
         row = found["restitution_fits"].query("case == @case").iloc[0]
         errors.append(abs(row["v_c_m_per_s"] / row["simulated_v_c_m_per_s"] - 1))
     assert np.all(np.diff(errors) > 0)

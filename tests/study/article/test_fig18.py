@@ -24,7 +24,7 @@ def study(run_study, calibration, admitted):
     inputs = {
         **calibration,
         "posterior_contacts": admitted("oblique_impact", drawn),
-        **run_study("oblique_experiments", calibration, angles_deg=[85, 45], points=10),
+        **run_study("fig06_12_oblique_experiments", calibration, angles_deg=[85, 45], points=10),
     }
     return partial(run_study, "oblique_impact", inputs)
 
@@ -36,7 +36,7 @@ def tables(study):
 
 @pytest.fixture(scope="module")
 def contact(calibration, settings):
-    branch = settings.branches["oblique_impact"]
+    branch = settings.branches["fig18_21_oblique_impact"]
     inputs = {**calibration, "materials": pd.DataFrame(settings.tables.materials.rows)}
     return calibrated_contact(inputs, branch["case"], diameter=branch["diameter_um"] * 1e-6)
 

@@ -10,9 +10,9 @@ ROUGH = ("equal weights", "facets by area seen")
 
 @pytest.fixture(scope="module")
 def tables(run_study, calibration, settings):
-    branch = settings.branches["monte_carlo"]
+    branch = settings.branches["fig23_monte_carlo"]
     fewer = {"plan": {**branch["plan"], "events": 1024}}
-    return run_study("monte_carlo", calibration, **fewer)
+    return run_study("fig23_monte_carlo", calibration, **fewer)
 
 
 @pytest.fixture(scope="module")
@@ -59,10 +59,10 @@ def test_slopes_are_drawn_as_inferred(tables, means):
 
 
 def test_declared_slopes_take_the_place_of_inferred_ones(run_study, calibration, tables, settings):
-    plan = {**settings.branches["monte_carlo"]["plan"], "events": 1024}
+    plan = {**settings.branches["fig23_monte_carlo"]["plan"], "events": 1024}
     sd = tables["slope_inference"].set_index("variant")["slope_sd"]["equal weights"]
     slope = {"kind": "normal", "sd": float(sd)}
-    declared = run_study("monte_carlo", calibration, plan=plan, process={"slope": slope})
+    declared = run_study("fig23_monte_carlo", calibration, plan=plan, process={"slope": slope})
     assert declared["slope_inference"].equals(tables["slope_inference"])
     name = "variant == 'equal weights'"
     same, wider = (

@@ -16,12 +16,12 @@ STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
 
 @pytest.fixture(scope="module")
 def sampling(settings):
-    return {**settings.branches["doe"]["sampling"], "replicates": 2}
+    return {**settings.branches["fig24_25_doe"]["sampling"], "replicates": 2}
 
 
 @pytest.fixture(scope="module")
 def tables(run_study, calibration, sampling):
-    return run_study("doe", calibration, sampling=sampling)
+    return run_study("fig24_25_doe", calibration, sampling=sampling)
 
 
 @pytest.fixture(scope="module")
@@ -80,13 +80,13 @@ def test_an_uncapturable_run_is_named(run_study, calibration, sampling):
     lowest = family.query("rate_exponent == 0 and plateau_of_e_holds == True").index[0]
     family.loc[lowest, "zeta_adhesion"] /= 100.0
     with pytest.raises(ValueError, match=r"n = 0', realistic levels: run \d+ has no finite") as e:
-        run_study("doe", calibration | {"calibration_family": family}, sampling=sampling)
+        run_study("fig24_25_doe", calibration | {"calibration_family": family}, sampling=sampling)
     assert "\n" not in str(e.value)
 
 
 def test_another_generator(run_study, calibration, sampling):
     generator = "a b c ab ac"
-    found = run_study("doe", calibration, sampling=sampling, cases=STEEL[:1], generator=generator)
+    found = run_study("fig24_25_doe", calibration, sampling=sampling, cases=STEEL[:1], generator=generator)
     table = found["doe_effects"]
     own = table[(table["variation"] == "uniform") & (table["response"] == "v_c by Eq. 34")]
     assert own["effect"].tolist() == ["A", "B", "C", "D", "E", "BC", "BE"]

@@ -26,7 +26,7 @@ FEW = {"sets": 60, "lowest_speeds_in_v_c": [1.05, 1.5]}
 
 @pytest.fixture(scope="module")
 def earlier(made, calibration):
-    return calibration | {"restitution_fits": made("restitution_fits")["restitution_fits"]}
+    return calibration | {"restitution_fits": made("fig15_16_restitution_fits")["restitution_fits"]}
 
 
 @pytest.fixture(scope="module")

@@ -16,12 +16,12 @@ from study.contacts import calibrated_contact
 
 @pytest.fixture(scope="module")
 def tables(run_study):
-    return run_study("schematics")
+    return run_study("fig01_03_13_19_22_schematics")
 
 
 @pytest.fixture(scope="module")
 def parameters(settings):
-    return settings.branches["schematics"]
+    return settings.branches["fig01_03_13_19_22_schematics"]
 
 
 @pytest.fixture(scope="module")

@@ -36,7 +36,7 @@ CASES = [
     # keys
     (CONFIG, "seed: {", "sead: {", ["sead: unknown key (did you mean 'seed'?)", "seed: missing"]),
     (MODELS, "coulomb_friction:", "coulomb_frction:", ["did you mean 'coulomb_friction'?", "coulomb_friction: missing"]),
-    (MODELS, "  spin_friction: {", "  spin_fricton: {", ["coulomb_friction.spin_fricton: unknown key", "coulomb_friction.spin_friction: missing"]),
+    (MODELS, "  spin_friction: {", "  spin_fricton: {", ["fig17_coulomb_friction.spin_fricton: unknown key", "fig17_coulomb_friction.spin_friction: missing"]),
     # values and their provenance
     (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "1.5"), ["cases.steel-mirror front.restitution: 1.5", "less than or equal to 1"]),
     (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", ".nan"), ["cases.steel-mirror front.restitution: nan", "finite"]),
@@ -45,16 +45,16 @@ CASES = [
     (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", ""), ["cases.steel-mirror front.restitution"]),
     (LABORATORY, RESTITUTION, RESTITUTION.replace("derived", "guessed"), ["cases.steel-mirror front.restitution.evidence: 'guessed' must be one of"]),
     (LABORATORY, RESTITUTION, RESTITUTION.replace("value:", "vale:"), ["cases.steel-mirror front.restitution"]),
-    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: 0.05", ["coulomb_friction.friction.values: 0.05 must be a list"]),
-    (MODELS, "friction: {values: [0.05, 0.10", "friction: {values: [0.05, -0.10", ["coulomb_friction.friction[1]: -0.1"]),
-    (MODELS, "points: {value: 360,", "points: {value: 360.5,", ["coulomb_friction.points: 360.5"]),
+    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: 0.05", ["fig17_coulomb_friction.friction.values: 0.05 must be a list"]),
+    (MODELS, "friction: {values: [0.05, 0.10", "friction: {values: [0.05, -0.10", ["fig17_coulomb_friction.friction[1]: -0.1"]),
+    (MODELS, "points: {value: 360,", "points: {value: 360.5,", ["fig17_coulomb_friction.points: 360.5"]),
     (CONFIG, "seed: {value: 20011", "seed: {value: -1", ["seed: -1"]),
     (CONFIG, "source: \"root of every random draw; an analysis takes its seed from this and its name, unless it gives one\"", "source: ''", ["seed.source: '' must say where"]),
     (MODELS, "coulomb_friction:\n", "coulomb_friction: 3\nwas:\n", ["coulomb_friction: 3 must be a mapping"]),
     # names that are not declared
-    (MODELS, "case: fluorescein-molybdenum, nominal", "case: fluorescein-molybdenum, nomial", ["force_history.case: 'fluorescein-molybdenum, nomial' is not declared in cases (did you mean 'fluorescein-molybdenum, nominal'?)"]),
+    (MODELS, "case: fluorescein-molybdenum, nominal", "case: fluorescein-molybdenum, nomial", ["fig20_force_history.case: 'fluorescein-molybdenum, nomial' is not declared in cases (did you mean 'fluorescein-molybdenum, nominal'?)"]),
     (LABORATORY, "    surface: {from: surfaces.Formica}", "    surface: formcia", ["cases.steel-formica.surface: 'formcia' is not declared in config/materials.csv (did you mean 'formica'?)"]),
-    (EXPERIMENTS, "printed: impulse_ratio_plateau", "printed: impulse_ratio_plat", ["oblique_experiments.series.silicon front.marks.printed plateau.printed: 'impulse_ratio_plat' is not declared in config/printed_values.csv", "did you mean 'impulse_ratio_plateau'?"]),
+    (EXPERIMENTS, "printed: impulse_ratio_plateau", "printed: impulse_ratio_plat", ["fig06_12_oblique_experiments.series.silicon front.marks.printed plateau.printed: 'impulse_ratio_plat' is not declared in config/printed_values.csv", "did you mean 'impulse_ratio_plateau'?"]),
     (PRINTED, "1.59 to 1.69,50 to 15", "1.59 to fast,50 to 15", ["printed_values.csv, line", "speed_m_per_s: '1.59 to fast' must be numbers, as 49; 62 or 15 to 85, or empty"]),
     (PRINTED, "\ndoe_small_variation,", "\ndoe_variation,", ["printed_values.csv: doe_small_variation: missing; doe reads it"]),
     (CONFIG, "figures: config/figures.yaml", "figures: config/materials.csv", ["config/materials.csv"]),
@@ -64,21 +64,21 @@ CASES = [
     (EXPERIMENTS, "speeds: [fast, middle, slow]", "speeds: [fats, middle, slow]", ["campaign: blocks.SST65 on silicon.speeds: 'fats' must be one of those declared (did you mean 'fast'?)"]),
     (CONFIG, "materials: config/materials.csv", "materials: config/material.csv", ["materials: 'config/material.csv' must be a file; there is none"]),
     # slips of lists, kinds and units
-    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: []", ["coulomb_friction.friction: [] must hold at least one number"]),
-    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {value: 0.3", ["coulomb_friction.friction: 0.3 must be a list, as [0.3]"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: 1.0e+8", ["schematics.rebound.speed_m_per_s: 1e+08 m/s must be from 0 to 1000 m/s"]),
+    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: []", ["fig17_coulomb_friction.friction: [] must hold at least one number"]),
+    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {value: 0.3", ["fig17_coulomb_friction.friction: 0.3 must be a list, as [0.3]"]),
+    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: 1.0e+8", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s: 1e+08 m/s must be from 0 to 1000 m/s"]),
     (LABORATORY, "kind: truncated_normal\n      mean: {value: 54.0", "kind: gaussian\n      mean: {value: 54.0", ["particles.glass spheres.diameter_um.kind: 'gaussian' must be one of constant, uniform, normal"]),
     (POINTS, "1.0,0.5,0.4,0.6", "1.0,50,40,60", ["fig14.csv, line 5, y: 50 is far off the axis of 'trends', 0 to 1.05"]),
     # references
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["schematics.rebound.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: track_imaging.angles_deg}", ["schematics.rebound.speed_m_per_s.from: 'track_imaging.angles_deg' is not declared"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: 3}", ["schematics.rebound.speed_m_per_s.from: '3' is not declared"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: surfaces.Formica}", ["schematics.rebound.speed_m_per_s.from: no speed_m_per_s in surfaces.Formica"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, valu: 3}", ["schematics.rebound.speed_m_per_s.valu: unknown key"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, value: -3}", ["schematics.rebound.speed_m_per_s: -3"]),
+    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
+    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: track_imaging.angles_deg}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: 'track_imaging.angles_deg' is not declared"]),
+    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: 3}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: '3' is not declared"]),
+    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: surfaces.Formica}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: no speed_m_per_s in surfaces.Formica"]),
+    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, valu: 3}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.valu: unknown key"]),
+    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, value: -3}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s: -3"]),
     (LABORATORY, "mirror front, speeds.nominal]", "mirror font, speeds.nominal]", ["drops.steel on mirror.from: 'surfaces.mirror font' is not declared (did you mean 'mirror front'?)"]),
     (LABORATORY, "other pairs: {from: frictions.steel on silicon", "other pairs: {from: frictions.other pairs", ["frictions.other pairs", "refers to itself"]),
-    (EXPERIMENTS, "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["normal_experiments.populations: ['SST65', 'SST125'] must be a mapping"]),
+    (EXPERIMENTS, "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["fig04_05_normal_experiments.populations: ['SST65', 'SST125'] must be a mapping"]),
     (LABORATORY, "target_radius_mm: {value: 5.0", "target_radius_mm: {value: 5.5", ["pile.target_radius_mm: 5.5 must be one of radii_mm, [3, 5, 10]"]),
     ("claims.yaml", "angles_deg: {values: [50, 10]", "angles_deg: {values: [5, 10]", ["claim_numbers.C13.angles_deg: [5, 10] must descend"]),
     (LABORATORY, "speed_range_m_per_s: {values: [1.6, 1.72]", "speed_range_m_per_s: {values: [1.72, 1.6]", ["speeds.nominal.speed_range_m_per_s: [1.72, 1.6] must ascend"]),
@@ -178,31 +178,31 @@ BYTES = [
 
 # What a user lays over the files as shipped, and the lines that refuse it.
 OVERLAYS = [
-    ({"force_history": {"diameter_um": 4, "9": None}}, ["force_history.9: unknown key (known here: angle_deg,"]),  # {diameter_um: 4,9}
+    ({"fig20_force_history": {"diameter_um": 4, "9": None}}, ["force_history.9: unknown key (known here: angle_deg,"]),  # {diameter_um: 4,9}
     ({"nonsense": None}, ["nonsense: unknown key"]),
-    ({"coulomb_friction": {"spin_friction": "0.3"}}, ["coulomb_friction.spin_friction: '0.3' must be a valid number (it is text: write it without quotes"]),
+    ({"fig17_coulomb_friction": {"spin_friction": "0.3"}}, ["fig17_coulomb_friction.spin_friction: '0.3' must be a valid number (it is text: write it without quotes"]),
     ({"pathvars": {"reslts": "x"}}, ["pathvars.reslts: unknown key (did you mean 'results'?)"]),
-    ({"restitution_trends": {"largest_speed_m_per_s": 0.5}}, ["restitution_trends.largest_speed_m_per_s: 0.5 must be above capture_speed_m_per_s, 1"]),
+    ({"fig14_restitution_trends": {"largest_speed_m_per_s": 0.5}}, ["fig14_restitution_trends.largest_speed_m_per_s: 0.5 must be above capture_speed_m_per_s, 1"]),
     ({"rival_explanations": {"slow_speed_m_per_s": 0.21}}, ["rival_explanations.slow_speed_m_per_s: 0.21 must be one of pile_up.speeds_m_per_s ["]),
-    ({"coulomb_friction": {"points": {"value": 9, "evidence": "chosen"}}}, ["coulomb_friction.points.source: None must say where"]),
-    ({"coulomb_friction": {"points": {"value": 9, "values": [9], "evidence": "chosen", "source": "x"}}}, ["coulomb_friction.points: give either value (one) or values"]),
+    ({"fig17_coulomb_friction": {"points": {"value": 9, "evidence": "chosen"}}}, ["fig17_coulomb_friction.points.source: None must say where"]),
+    ({"fig17_coulomb_friction": {"points": {"value": 9, "values": [9], "evidence": "chosen", "source": "x"}}}, ["fig17_coulomb_friction.points: give either value (one) or values"]),
     ({"particles": None}, ["particles: missing"]),
     ({"particles": {"SST77": None}}, ["particles.SST77: None must be a mapping"]),
     ({"particles": {"SST77": {"particle": "glass", "particle_slope": 0.1}}}, [f"particles.SST77.{key}: changes nothing: no analysis names it" for key in ("particle", "particle_slope")]),
     ({"speeds": {"nominal": {"speed_m_per_s": 0}}}, ["speeds.nominal.speed_m_per_s: 0 must be greater than 0", "inference."]),
-    ({"monte_carlo": {"process": {"diameter_um": {"kind": "constant", "at": 6.2e-5}}}}, ["monte_carlo.process.diameter_um.at: 6.2e-05 um must be from 0.001 to 5000 um"]),
-    ({"monte_carlo": {"process": {"diameter_um": {"kind": "histogram", "edges": [5e-5, 6e-5], "counts": [1]}}}}, ["monte_carlo.process.diameter_um.edges[0]: 5e-05 um must be", "monte_carlo.process.diameter_um.edges[1]: 6e-05 um must be"]),
-    ({"monte_carlo": {"process": {"slope": 0.3}}}, ["monte_carlo.process.slope: 0.3 must be a mapping with the key kind: constant, uniform,"]),
+    ({"fig23_monte_carlo": {"process": {"diameter_um": {"kind": "constant", "at": 6.2e-5}}}}, ["fig23_monte_carlo.process.diameter_um.at: 6.2e-05 um must be from 0.001 to 5000 um"]),
+    ({"fig23_monte_carlo": {"process": {"diameter_um": {"kind": "histogram", "edges": [5e-5, 6e-5], "counts": [1]}}}}, ["fig23_monte_carlo.process.diameter_um.edges[0]: 5e-05 um must be", "fig23_monte_carlo.process.diameter_um.edges[1]: 6e-05 um must be"]),
+    ({"fig23_monte_carlo": {"process": {"slope": 0.3}}}, ["fig23_monte_carlo.process.slope: 0.3 must be a mapping with the key kind: constant, uniform,"]),
     # what is allowed alone, but contradicts something else
     ({"particles": {"SST76": {"mean_diameter_um": 60}}}, ["particles.SST76: mean_diameter_um 60 must be the mean of diameter_um, 62: change both"]),
-    ({"monte_carlo": {"process": {"diameter_um": {"kind": "truncated_normal", "mean": 50, "sd": 9, "low": 100, "high": 110}}}}, ["monte_carlo.process.diameter_um: from 100 to 110, only 1e-08 of mean 50, sd 9 is left"]),
-    ({"oblique_experiments": {"series": {"silicon front": {"speed_m_per_s": 3.0}}}}, ["oblique_experiments.series.silicon front.speed_m_per_s: 3 must be within speed_range_m_per_s, [1.6, 1.72]"]),
+    ({"fig23_monte_carlo": {"process": {"diameter_um": {"kind": "truncated_normal", "mean": 50, "sd": 9, "low": 100, "high": 110}}}}, ["fig23_monte_carlo.process.diameter_um: from 100 to 110, only 1e-08 of mean 50, sd 9 is left"]),
+    ({"fig06_12_oblique_experiments": {"series": {"silicon front": {"speed_m_per_s": 3.0}}}}, ["fig06_12_oblique_experiments.series.silicon front.speed_m_per_s: 3 must be within speed_range_m_per_s, [1.6, 1.72]"]),
     ({"drops": {"steel on silicon": {"case": "steel-formica"}}}, ["drops.steel on silicon.case: 'steel-formica' is of stainless-steel-316 on formica, must be of stainless-steel-316 on silicon"]),
-    ({"oblique_experiments": {"series": {"spore on Formica": None}}}, ["oblique_experiments.compared_with_all: 'spore on Formica' must be one of"]),
-    ({"coulomb_friction": {"friction": [0.1, 0.1]}}, ["coulomb_friction.friction: 0.1 is repeated"]),
+    ({"fig06_12_oblique_experiments": {"series": {"spore on Formica": None}}}, ["fig06_12_oblique_experiments.compared_with_all: 'spore on Formica' must be one of"]),
+    ({"fig17_coulomb_friction": {"friction": [0.1, 0.1]}}, ["fig17_coulomb_friction.friction: 0.1 is repeated"]),
     ({"surfaces": {"silicon front": {"surface_slope": 1.5}}}, ["surfaces.silicon front.surface_slope: 1.5 rad must be from -0.5 to 0.5 rad"]),
     ({"campaign": {"blocks": {"fast impacts": None}}}, ["campaign.blocks: give 181 experiments, not 187; 12 speed ranges, not 14, as counted: change counted, too"]),
-    ({"force_history": {"points": 10000000}}, ["force_history.points: 10000000 must be less than or equal to 100000"]),
+    ({"fig20_force_history": {"points": 10000000}}, ["fig20_force_history.points: 10000000 must be less than or equal to 100000"]),
     ({"seed": 10**44}, [f"seed: {10**44} must be less than {2**63}"]),
     ({"size_law": {"laws": ["JRK, viscous", "ring force"]}}, ["size_law.laws[0]: 'JRK, viscous' is not declared in inference.pairs.laws (did you mean 'JKR, viscous'?)"]),
     ({"claim_numbers": {"draws": {"scenarios": ["with v_c"]}}}, ["claim_numbers.draws.scenarios[0]: 'with v_c' is not declared in inference.pairs.scenarios"]),
@@ -224,13 +224,13 @@ def test_a_file_of_values(tmp_path, text, line):
     file = tmp_path / "sizes.txt"
     file.write_text(text, encoding="utf-8", newline="")
     sizes = {"kind": "sample_file", "path": str(file)}
-    config = merged(shipped(), {"monte_carlo": {"process": {"diameter_um": sizes}}})
+    config = merged(shipped(), {"fig23_monte_carlo": {"process": {"diameter_um": sizes}}})
     if not line:
         validate(config, shipped())
         return
     with pytest.raises(ConfigError) as caught:
         validate(config, shipped())
-    assert str(caught.value) == f"monte_carlo.process.{line.replace('sizes.txt', str(file))}"
+    assert str(caught.value) == f"fig23_monte_carlo.process.{line.replace('sizes.txt', str(file))}"
 
 
 @pytest.mark.parametrize(("overlay", "lines"), OVERLAYS, ids=range(len(OVERLAYS)))

@@ -47,4 +47,4 @@ def test_a_malformed_distribution_is_named_by_its_key(given, words):
 )
 def test_a_setting_of_the_analyser_is_refused_by_its_key(settings, changes, message):
     with pytest.raises(ValueError, match=message):
-        build(Analyser, settings.branches["normal_experiments"]["instrument"] | changes)
+        build(Analyser, settings.branches["fig04_05_normal_experiments"]["instrument"] | changes)

@@ -57,7 +57,7 @@ def test_a_bad_entry_is_named(entry, message):
         ("models.curves", "x_steps", [0.0], r"x_steps\[0\]: 0.0 must be greater than 0"),
         ("models.curves", "y_steps", [1, 3], r"y_steps: must be empty: the scale is linear"),
         ("models.curves", "y_label", "", r"y_label: '' must not be empty"),
-        ("schematics.impacts", "x_label", "x", r"x_label: 'x' must be empty: it has no axes"),
+        ("fig01_03_13_19_22_schematics.impacts", "x_label", "x", r"x_label: 'x' must be empty: it has no axes"),
     ],
 )
 def test_an_axis_that_cannot_be_is_refused_and_words_for_none(module, key, value, message):

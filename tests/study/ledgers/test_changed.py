@@ -28,8 +28,8 @@ def marked(settings):
 @pytest.mark.parametrize(
     ("overlay", "key"),
     [
-        ({"force_history": {"case": STEEL}}, "force_history.case"),
-        ({"force_history": {"speed_m_per_s": 1.66}}, "force_history.speed_m_per_s"),
+        ({"fig20_force_history": {"case": STEEL}}, "fig20_force_history.case"),
+        ({"fig20_force_history": {"speed_m_per_s": 1.66}}, "fig20_force_history.speed_m_per_s"),
         (
             {"particles": {"fluorescein": {"mean_diameter_um": 3.0}}},
             "particles.fluorescein.mean_diameter_um",
@@ -64,6 +64,6 @@ def test_another_contact_of_the_pair_is_of_the_same_experiment(marked):
 
 
 def test_a_claim_that_rests_on_no_change_bears_no_mark(marked):
-    overlay = {"force_history": {"speed_m_per_s": 1.66}}
+    overlay = {"fig20_force_history": {"speed_m_per_s": 1.66}}
     for claim, changes in ((FORCES, {}), (PAIRS, overlay)):
         assert marked(claim, changes)["changed_inputs"] == ""

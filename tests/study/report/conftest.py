@@ -73,7 +73,7 @@ def record(registry):
         python="3.11.7",
         platform="Linux x86_64",
         packages={"numpy": "2.4.6", "snakemake": None},
-        changes=(Change(key="coulomb_friction.points", shipped=360, used=36),),
+        changes=(Change(key="fig17_coulomb_friction.points", shipped=360, used=36),),
         figures=registry,
         rows={entry["study"]: rows for entry in registry.values()},
     )

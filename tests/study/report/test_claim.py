@@ -52,7 +52,7 @@ def test_the_break_of_a_claim_changes_its_verdict(nowhere):
 def test_studies_on_which_a_claim_rests_follow_the_change(nowhere):
     plain, doubled = (
         tell("C32", changed(settings), nowhere)
-        for settings in ([], ["force_history.diameter_um=2.58"])
+        for settings in ([], ["fig20_force_history.diameter_um=2.58"])
     )
     assert "Verdict: reproduced" in plain
     assert "0.352" in plain

@@ -45,11 +45,11 @@ def test_shipped_configuration_is_valid_and_every_number_has_evidence_and_source
 
 
 def test_values_are_plain_and_typed():
-    branch = validate(BASE, BASE).branches["coulomb_friction"]
+    branch = validate(BASE, BASE).branches["fig17_coulomb_friction"]
     assert branch["friction"] == [0.05, 0.10, 0.15, 0.20]
     assert isinstance(branch["points"], int)
     one = validate(changed(coulomb_friction={"restitution": 1}), BASE)
-    assert isinstance(one.branches["coulomb_friction"]["restitution"], float)
+    assert isinstance(one.branches["fig17_coulomb_friction"]["restitution"], float)
 
 
 def test_all_problems_are_listed():
@@ -65,7 +65,7 @@ def test_all_problems_are_listed():
         "restitution:",
         "frictoin:",
         "points.valu:",
-        "restitution_trends.points:",
+        "fig14_restitution_trends.points:",
         "sed:",
     ):
         assert key in found
@@ -74,7 +74,7 @@ def test_all_problems_are_listed():
 def test_a_missing_key_and_a_missing_branch_are_named():
     config = changed()
     del config["coulomb_friction"]["points"], config["restitution_trends"]
-    assert lines(config) == ["restitution_trends: missing", "coulomb_friction.points: missing"]
+    assert lines(config) == ["restitution_trends: missing", "fig17_coulomb_friction.points: missing"]
 
 
 def declared(config, key):
@@ -83,7 +83,7 @@ def declared(config, key):
 
 
 def test_a_bare_number_and_a_changed_value_are_the_users():
-    key = "coulomb_friction.spin_friction"
+    key = "fig17_coulomb_friction.spin_friction"
     assert declared(BASE, key).evidence == "printed"
     assert declared(changed(coulomb_friction={"spin_friction": 0.3}), key).evidence == "user"
     inside = copy.deepcopy(BASE)
@@ -98,7 +98,7 @@ def test_a_parameter_follows_the_printed_value_that_it_names(tmp_path):
     printed = (ROOT / "config/printed_values.csv").read_text(encoding="utf-8")
     path.write_text(printed.replace("force_history_diameter,4.9,", "force_history_diameter,2.58,"))
     settings = validate(BASE | {"printed_values": str(path)}, BASE)
-    assert settings.branches["force_history"]["diameter_um"] == 2.58
+    assert settings.branches["fig20_force_history"]["diameter_um"] == 2.58
 
 
 @cache
@@ -123,9 +123,9 @@ def test_shipped_files_meet_the_schemas():
     "overlay",
     [
         {"coulomb_frction": {}},
-        {"coulomb_friction": {"restitution": 1.5}},
-        {"coulomb_friction": {"restitution": {"value": 1.5, "evidence": "user", "source": "x"}}},
-        {"monte_carlo": {"process": {"slope": {"kind": "normal", "sd": "steep"}}}},
+        {"fig17_coulomb_friction": {"restitution": 1.5}},
+        {"fig17_coulomb_friction": {"restitution": {"value": 1.5, "evidence": "user", "source": "x"}}},
+        {"fig23_monte_carlo": {"process": {"slope": {"kind": "normal", "sd": "steep"}}}},
         {"seed": "1"},
     ],
 )

@@ -11,7 +11,7 @@ from study.run.study import Made, run_study
 
 
 def test_arrays_are_taken_as_lists():
-    (table,) = run_study("coulomb_friction", friction=np.array([0.1, 0.2]), points=10).values()
+    (table,) = run_study("fig17_coulomb_friction", friction=np.array([0.1, 0.2]), points=10).values()
     assert {"0.1", "0.2"} <= set(table["series"])
     assert "0.15" not in set(table["series"])
 
@@ -21,10 +21,10 @@ def test_arrays_are_taken_as_lists():
     [
         ("force_histroy", {}, "'force_histroy' is no study .did you mean 'force_history'"),
         (3, {}, "3 is no study"),
-        ("force_history", {"diameter": 3}, "force_history.diameter: unknown key"),
+        ("force_history", {"diameter": 3}, "fig20_force_history.diameter: unknown key"),
         ("force_history", {"diameter_um": -3}, "diameter_um: -3 must be greater than 0"),
         ("force_history", {"diameter_um": 4.9e-6}, "4.9e-06 um must be from 0.001 to 5000 um"),
-        ("force_history", {"diameter_um": None}, "force_history.diameter_um: missing"),
+        ("force_history", {"diameter_um": None}, "fig20_force_history.diameter_um: missing"),
         ("force_history", {"diameter_um": {1, 2}}, "must be a number, a text, a list"),
         ("force_history", {"particles": {}}, "particles: is shared by all studies: an overlay"),
     ],
@@ -38,7 +38,7 @@ def test_what_is_wrong_is_told_in_one_line(name, changes, told):
 @pytest.mark.parametrize("given", [{"friction": [0.1]}, [0.1]])
 def test_parameters_are_no_tables(given):
     with pytest.raises(ValueError, match="must be tables of studies by name; parameters are key"):
-        run_study("coulomb_friction", given)
+        run_study("fig17_coulomb_friction", given)
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in ROOT.glob("config/examples/*.yaml")))

@@ -40,7 +40,7 @@ from study.tables import parse_table
 
 @pytest.fixture(scope="module")
 def branch(settings):
-    return settings.branches["doe"]
+    return settings.branches["fig24_25_doe"]
 
 
 @pytest.fixture

@@ -356,7 +356,7 @@ def test_inferred_slope_gives_back_the_restitution_it_was_inferred_from(ensemble
 def test_bad_processes_are_refused_in_one_line(branch, changes, message):
     with pytest.raises(ValidationError) as caught:
         build(Process, {**branch["process"], **changes})
-    (line,) = explain(caught.value, Process, "monte_carlo.process")
+    (line,) = explain(caught.value, Process, "fig23_monte_carlo.process")
     assert re.search(message, line), line
 
 
@@ -368,7 +368,7 @@ def test_events_of_a_replicate_are_a_power_of_two(events):
 
 @pytest.fixture(scope="module")
 def branch(settings):
-    return settings.branches["monte_carlo"]
+    return settings.branches["fig23_monte_carlo"]
 
 
 @pytest.mark.parametrize(

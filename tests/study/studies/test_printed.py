@@ -56,5 +56,5 @@ def test_a_cell_holds_numbers_and_ranges():
 def test_faster_drops_move_no_printed_target(settings):
     faster = {"speed_m_per_s": 3.0, "speed_range_m_per_s": [2.9, 3.1]}
     changed = validate(merged(shipped(), {"speeds": {"nominal": faster}}), shipped())
-    assert changed.branches["oblique_impact"] != settings.branches["oblique_impact"]
+    assert changed.branches["fig18_21_oblique_impact"] != settings.branches["fig18_21_oblique_impact"]
     assert changed.branches["calibration"] == settings.branches["calibration"]

@@ -30,7 +30,7 @@ from study.tables import Tables, series_frame
 NEEDS = {
     "calibration": ("calibration",),
     "inference": ("posterior_contacts",),
-    "oblique_experiments": ("oblique_experiments",),
+    "fig06_12_oblique_experiments": ("oblique_experiments",),
 }
 # Ends and height of the friction plateau.
 PRINTED_VALUES = ("plateau_end_angle", "rolling_to_sliding_angle", "impulse_ratio_plateau")

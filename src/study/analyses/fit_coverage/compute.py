@@ -46,7 +46,7 @@ from study.tables import POINTS, Row, Tables, read_table, series_frame
 
 NEEDS = {
     "calibration": ("calibration",),
-    "restitution_fits": ("restitution_fits",),
+    "fig15_16_restitution_fits": ("restitution_fits",),
 }
 
 ANALYSIS = 34

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from microimpact.core.files import write_file
-from study.figures.registry import FORMATS
+from study.figures.declaration import FORMATS
 from study.judge import words
 from study.report.site import PAGES, ledgers
 from study.report.site.exports import chains_json, claims_json, datapackage, schema_json

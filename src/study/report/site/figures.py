@@ -10,7 +10,6 @@ from typing import Any
 from urllib.parse import urlencode
 
 from study import analyses
-from study.figures.registry import CURVES
 from study.judge.words import in_words
 from study.report.site.ledgers import Row, read_rows
 from study.report.site.record import Record
@@ -42,8 +41,8 @@ _ITEM = re.compile(r"\[\d+\]$")
 class Figure:
     """One figure: words, files relative to the results, inputs, equations and claims.
 
-    Tables of its study that belong with it have a sentence each. `marks` are the series of each
-    evidence class, `values` the inputs in the branch of its study, and `rows` those of declared
+    Tables of its study that belong with it have a sentence each. `evidence` has the classes of
+    what is drawn, `values` the inputs in the branch of its study, and `rows` those of declared
     tables. `explorer` is the fragment that opens the explorer with its impact, or empty.
     """
 
@@ -56,7 +55,7 @@ class Figure:
     article: str
     data: tuple[str, ...]
     tables: Mapping[str, str]
-    marks: Mapping[str, tuple[str, ...]]
+    evidence: tuple[str, ...]
     values: tuple[Row, ...]
     rows: tuple[Row, ...]
     upstream: tuple[str, ...]
@@ -72,7 +71,7 @@ class Figure:
     def alternative(self) -> str:
         """Alternative text of the picture."""
         words = f"{self.title}. {self.finding} {self.caption}"
-        return f"{self.label}. {words} Marks: {', '.join(self.marks) or 'none'}."
+        return f"{self.label}. {words} Evidence: {', '.join(self.evidence) or 'none'}."
 
 
 def _line(words: str) -> str:
@@ -109,7 +108,7 @@ def figures(
 
     def figure(name: str) -> Figure:
         entry = record.figures[name]
-        study, data = entry["study"], tuple(f"data/{table}.csv" for table in entry["data"])
+        study, data = entry["analysis"], tuple(f"data/{table}.csv" for table in entry["data"])
         tables = {f"tables/{table}.csv": words for table, words in entry.get("tables", {}).items()}
         return Figure(
             name=name,
@@ -119,11 +118,11 @@ def figures(
             article=" ".join(entry.get("article", "").split()),
             data=data,
             tables={file: words for file, words in tables.items() if (results / file).is_file()},
-            marks=_marks([results / file for file in data], entry.get("panels", {})),
+            evidence=_evidence([results / file for file in data]),
             values=tuple(joined(_branch(study, declared))),
             rows=_rows(record.rows.get(study, {}), declared),
             upstream=upstream(study),
-            drawing=f"{entry.get('module', CURVES)}.{entry.get('function', 'draw')}",
+            drawing=entry["drawing"],
             analysis=f"{analyses.homes()[study]}.run",
             explorer=explored(study, declared),
             departures=departures(declared, [study]),
@@ -137,25 +136,9 @@ def figures(
     return [figure(n) for n in sorted(there, key=lambda n: (not ARTICLE.fullmatch(n), n))]
 
 
-def _marks(
-    paths: Iterable[Path], panels: Mapping[str, Mapping[str, Any]]
-) -> dict[str, tuple[str, ...]]:
-    """Return the series of each evidence class, as the legends name them.
-
-    The rows of a picture count as one.
-    """
-    labels = {
-        name: " ".join(spec["label"].split())
-        for panel in panels.values()
-        for name, spec in panel.get("series", {}).items()
-        if not spec.get("label", "_").startswith("_")
-    }
-    series = dict.fromkeys((r["evidence"], r["series"]) for path in paths for r in read_rows(path))
-    marks: dict[str, dict[str, None]] = {}
-    for evidence, name in series:
-        words = "grey levels of its rows" if name.isdigit() else labels.get(name, in_words(name))
-        marks.setdefault(evidence, {})[words] = None
-    return {evidence: tuple(names) for evidence, names in marks.items()}
+def _evidence(paths: Iterable[Path]) -> tuple[str, ...]:
+    """Return the evidence classes of figure data, in their order."""
+    return tuple(dict.fromkeys(row["evidence"] for path in paths for row in read_rows(path)))
 
 
 def upstream(study: str) -> tuple[str, ...]:
@@ -206,7 +189,7 @@ def departures(declared: Sequence[Row], names: Iterable[str]) -> tuple[Row, ...]
 
 def studies_behind(claim: Row, record: Record) -> set[str]:
     """Return the studies that a claim rests on: of its figures, and of the tables it reads."""
-    drawn = {record.figures[n]["study"] for n in claim["figures"].split() if n in record.figures}
+    drawn = {record.figures[n]["analysis"] for n in claim["figures"].split() if n in record.figures}
     makers = analyses.needs(CLAIM_STUDY)
     read = {makers[name] for name in claim.get("inputs", "").split() if name in makers}
     drawn_from = {"inference"} if claim.get("shares") else set()

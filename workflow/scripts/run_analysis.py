@@ -32,7 +32,7 @@ def main(job: Any) -> str:
     made of the files ``parts`` is among the inputs of the study as one table. In place of what the
     inputs do not allow, tables that say why are written: it stops neither claims nor report.
     """
-    study = analyses.analysis(job.params.study)
+    study = analyses.analysis(job.params.analysis)
     declared = {name: parse_table(text) for name, text in job.params.rows.items()}
     made = {name: path for name, path in job.input.items() if name not in OTHERS}
     inputs = NamedTables(declared | made)
@@ -47,7 +47,7 @@ def main(job: Any) -> str:
                 inputs["parts"] = pd.concat(map(read_table, parts))
             tables = study.run(params, inputs)
     except UNCOMPUTABLE as error:
-        why = reason(job.params.study, error)
+        why = reason(job.params.analysis, error)
         sys.stderr.write(f"{NOT_COMPUTED}: {why}\n")
         tables = dict.fromkeys(outputs, not_computed(why))
     if set(tables) != set(outputs):
