@@ -26,13 +26,9 @@ AROUND = 1.3
 
 def fitting(table: pd.DataFrame) -> float:
     """Return the speed, m/s, that is one unit of the drawing if every arrow is to have room."""
-    ends = table.groupby(["panel", "series"]).last().iloc[:, 1:3]
-    shares = [
-        np.abs(end.to_numpy(float) / ROOM[name]).max()
-        for (_, name), end in ends.iterrows()
-        if name in ROOM
-    ]
-    return float(max(shares))
+    arrows = table[table["series"].isin(ROOM)].groupby(["panel", "series"]).last()
+    room = [ROOM[str(name)] for name in arrows.index.get_level_values("series")]
+    return float(np.abs(arrows.iloc[:, 1:3].to_numpy(float) / room).max())
 
 
 def velocities(view: View) -> None:

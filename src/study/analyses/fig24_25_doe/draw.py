@@ -2,25 +2,41 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from study.figures.declaration import TWO_STAGES, Figure, Series
 
 if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
     from study.figures.style import Sheet
 
-LOOKS_FIG24_NORMAL = {
+# By response: words and marks.
+NORMAL = {
     "v_c": Series("$v_c$, exact", 0),
-    "v_c by Eq. 34": Series("$v_c$ by a fit of Eq. 34", 1),
-    "margin": Series("Lenth's margin"),
-    "simultaneous margin": Series("simultaneous margin"),
+    "v_c by Eq. 34": Series("$v_c$ by a fit of Eq. 34", 1, mark="triangle", open=True),
 }
-LOOKS_FIG24_HALF_NORMAL = {
+HALF_NORMAL = {
     "v_c": Series("$v_c$, exact", 0),
-    "ln v_c": Series(r"$\ln v_c$, exact", 2),
-    "margin": Series("Lenth's margin"),
-    "simultaneous margin": Series("simultaneous margin"),
+    "ln v_c": Series(r"$\ln v_c$, exact", 2, mark="square", open=True),
 }
+MARGINS = {
+    "margin": Series("Lenth's margin", line="dashed"),
+    "simultaneous margin": Series("simultaneous margin", line="dotted"),
+}
+MARGIN_COLOUR = "0.45"
+LEGEND = (
+    r"A stiffness $K$,  B work of adhesion $w_A$,  C radius $r$,  D damping of adhesion "
+    r"$\zeta_A$,  E damping of the material $\zeta_H$;  two letters: interaction;  all computed"
+)
+# Effects that are labelled however small: the factors, and in one panel three pairs to compare;
+# and those as large as any of the factors that matter.
+FACTORS, MATTERING = tuple("ABCDE"), tuple("ABCD")
+NAMED = (*FACTORS, "BC", "BD", "CD")
+LABEL_SIZE = 7.5
+LABEL_GAP = 4.5
 
 
 @Figure(
@@ -57,32 +73,20 @@ LOOKS_FIG24_HALF_NORMAL = {
     contact=TWO_STAGES,
     tables={
         "doe_levels": "Low and high level of every factor of the designs.",
-        "doe_effects": "Every effect of both designs on the capture velocity, its aliases and its margin of error.",
-        "doe_elasticities": "Relative change of the capture velocity for a relative change of each factor.",
-        "doe_bd_aliasing": "The interaction BD and the main effect it is mixed with in the fraction.",
-        "doe_design": "Every run of the full design, its levels and its capture velocity, exact and by a fit of Eq. 34.",
+        "doe_effects": "Every effect of both designs on the capture velocity, its aliases and its "
+        "margin of error.",
+        "doe_elasticities": "Relative change of the capture velocity for a relative change of each "
+        "factor.",
+        "doe_bd_aliasing": "The interaction BD and the main effect it is mixed with in the "
+        "fraction.",
+        "doe_design": "Every run of the full design, its levels and its capture velocity, exact "
+        "and by a fit of Eq. 34.",
     },
     height_mm=98.0,
 )
 def draw_fig24(sheet: Sheet) -> None:
-    """Draw it (was study.figures.analyses.effects.draw)."""
-    normal, half_normal = sheet.panels()
-    normal.set(
-        xlim=(-150.0, 150.0),
-        ylim=(-2.2, 2.2),
-        xlabel="Effect (% of mean)",
-        ylabel="Normal quantile",
-    )
-    half_normal.set(
-        xlim=(-15.0, 150.0),
-        ylim=(-0.1, 2.4),
-        xlabel="Size of effect (%)",
-        ylabel="Half-normal quantile",
-    )
-    sheet.draw(normal, LOOKS_FIG24_NORMAL)
-    # legend title 'A stiffness $K$,  B work of adhesion $w_A$,  C radius $r$,  D damping of adhesion $\\zeta_A$,  E damping of the material $\\zeta_H$;  two letters: interaction;  all computed'
-    sheet.draw(half_normal, LOOKS_FIG24_HALF_NORMAL)
-    sheet.keys()
+    """Effects reach beyond the mean."""
+    _draw_effects(sheet, (-150.0, 150.0), (-15.0, 150.0))
 
 
 @Figure(
@@ -106,18 +110,102 @@ def draw_fig24(sheet: Sheet) -> None:
     height_mm=98.0,
 )
 def draw_fig25(sheet: Sheet) -> None:
-    """Draw it (was study.figures.analyses.effects.draw)."""
+    """Effects of a few percent."""
+    _draw_effects(sheet, (-17.5, 17.5), (-2.5, 20.0))
+
+
+def _draw_effects(sheet: Sheet, effects: tuple[float, float], sizes: tuple[float, float]) -> None:
+    """Draw a normal plot of effects, and a half-normal one; ends of the abscissae in %.
+
+    A series is called ``response: effect``, or as one of the margins.
+    """
+    from study.figures import style
+    from study.tables import POINTS
+
     normal, half_normal = sheet.panels()
     normal.set(
-        xlim=(-17.5, 17.5), ylim=(-2.2, 2.2), xlabel="Effect (% of mean)", ylabel="Normal quantile"
+        xlim=effects, ylim=(-2.2, 2.2), xlabel="Effect (% of mean)", ylabel="Normal quantile"
     )
     half_normal.set(
-        xlim=(-2.5, 20.0),
-        ylim=(-0.1, 2.4),
-        xlabel="Size of effect (%)",
-        ylabel="Half-normal quantile",
+        xlim=sizes, ylim=(-0.1, 2.4), xlabel="Size of effect (%)", ylabel="Half-normal quantile"
     )
-    sheet.draw(normal, LOOKS_FIG24_NORMAL)
-    # legend title 'A stiffness $K$,  B work of adhesion $w_A$,  C radius $r$,  D damping of adhesion $\\zeta_A$,  E damping of the material $\\zeta_H$;  two letters: interaction;  all computed'
-    sheet.draw(half_normal, LOOKS_FIG24_HALF_NORMAL)
-    sheet.keys()
+    (table,) = sheet.tables.values()
+    parts = table["series"].str.split(": ", n=1, expand=True)
+    table = table.assign(response=parts[0], word=parts[1])
+    panels = {normal: NORMAL, half_normal: HALF_NORMAL}
+    for ax, looks in panels.items():
+        rows = table[table["panel"] == ax.get_label()]
+        if rows.empty:
+            raise ValueError(f"figure data: no rows for panel {ax.get_label()!r}")
+        _draw_panel(ax, rows, looks, half=ax is half_normal)
+    style.legend_above(sheet.figure, panels, title=LEGEND, loc="outside lower center")
+    points = table[table["evidence"].isin(POINTS)]
+    names = list(points["series"].unique())
+    for ax, looks in panels.items():
+        sheet.overlay(ax, points[points["panel"] == ax.get_label()], looks, names)
+    if names:
+        sheet.evidence_key(loc="outside upper center")
+
+
+def _draw_panel(ax: Axes, rows: pd.DataFrame, looks: Mapping[str, Series], *, half: bool) -> None:
+    """Draw the effects on each response; the margins belong to the first."""
+    from study.figures import style
+
+    x, y = rows.columns[3:5]
+    shown = rows[rows["response"].isin(looks)]
+    is_margin = shown["word"].isin(MARGINS)
+    if not half:
+        ax.axhline(0.0, color="0.85", linewidth=0.6, zorder=0)
+        ax.axvline(0.0, color="0.85", linewidth=0.6, zorder=0)
+    ax.set_xlim(style.widened(ax.get_xlim(), shown[x].to_numpy(float)))
+    ax.set_ylim(style.widened(ax.get_ylim(), shown[y].to_numpy(float)))
+    main = next(iter(looks))
+    margins = shown[is_margin & (shown["response"] == main)]
+    for word, margin in MARGINS.items():
+        label: str | None = margin.label
+        for place in margins.loc[margins["word"] == word, x]:
+            ax.axvline(
+                place, color=MARGIN_COLOUR, linestyle=margin.line, linewidth=0.9, label=label
+            )
+            label = None
+    limit = float(margins.loc[margins["word"] == "margin", x].max())
+    for response, look in looks.items():
+        points = shown[~is_margin & (shown["response"] == response)]
+        colour, marker = f"C{look.colour}", style.MARKS[look.mark]
+        face = "none" if look.open else "full"
+        pen: dict[str, Any] = {"marker": marker, "fillstyle": face, "color": colour}
+        ax.plot(points[x], points[y], label=look.label, linestyle="none", zorder=3, **pen)
+        if half or response == main:
+            size = points[x].abs()
+            least = size[points["word"].isin(MATTERING)].min()
+            worth = points["word"].isin(NAMED if half else FACTORS) | (size >= min(limit, least))
+            leftward = response != main
+            _label(ax, points[worth], (x, y), colour, outward=not half, leftward=leftward)
+
+
+def _label(
+    ax: Axes,
+    points: pd.DataFrame,
+    columns: tuple[str, str],
+    colour: str,
+    *,
+    outward: bool,
+    leftward: bool,
+) -> None:
+    """Write the effects beside their points: away from zero, or all to one side."""
+    x, y = columns
+    gap = LABEL_GAP if outward else LABEL_GAP + 1.5
+    for word, effect, height in zip(points["word"], points[x], points[y], strict=True):
+        left = effect < 0.0 if outward else leftward
+        ax.annotate(
+            word,
+            (effect, height),
+            xytext=(-gap if left else gap, 0.0),
+            textcoords="offset points",
+            ha="right" if left else "left",
+            va="center",
+            fontsize=LABEL_SIZE,
+            color=colour,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.4},
+            zorder=2.5,
+        )

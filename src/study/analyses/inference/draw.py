@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from study.figures.declaration import (
     CAPTURE_VELOCITY,
@@ -15,17 +15,26 @@ from study.figures.declaration import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from study.figures.style import Sheet
 
-LOOKS_EVIDENCE_CAPTURE_VELOCITY = {
-    "all laws": Series("all laws, by evidence"),
-    "ring force, n free": Series("ring force, $n$ from 0 to 2", 0),
-    "ring force, n = 0": Series("ring force, $n$ = 0", 2),
-    "JKR, viscous": Series("JKR, viscous", 1),
-    "Thornton and Ning": Series("Thornton and Ning", 3),
-    "hysteresis": Series("hysteresis of adhesion", 4),
-    "few contacts": Series("from few contacts"),
-    "printed": Series("printed $v_c$"),
+# Distance of the laws of one line, and looks of those that are not a single law.
+APART = 0.19
+FEW = "few contacts"
+BOLD: dict[str, Any] = {"linewidth": 1.6, "markersize": 4.0}
+GREY: dict[str, Any] = {"color": "0.7", "markerfacecolor": "white", "marker": "X"}
+SYMBOLS = {"v_c": "$v_c$", "w_A": "$w_A$", "c_A": "$c_A$", "n to": "$n$ to", "J/m2": "J/m$^2$"}
+HEADS = {"scenario": "Scenarios", "without": "One statement less", "choice": "Other choices"}
+LINE: dict[str, Any] = {"markersize": 2.8, "linewidth": 1.1, "linestyle": "none"}
+# By law: words and looks; all of them together are bold.
+LAWS: dict[str, tuple[str, dict[str, Any]]] = {
+    "all laws": ("all laws, by evidence", {"marker": "o", "color": "black", **BOLD}),
+    "ring force, n free": ("ring force, $n$ from 0 to 2", {"marker": "s", "color": "C0"}),
+    "ring force, n = 0": ("ring force, $n$ = 0", {"marker": "^", "color": "C2"}),
+    "JKR, viscous": ("JKR, viscous", {"marker": "D", "color": "C1"}),
+    "Thornton and Ning": ("Thornton and Ning", {"marker": "v", "color": "C3"}),
+    "hysteresis": ("hysteresis of adhesion", {"marker": "P", "color": "C4"}),
 }
 LOOKS_POSTERIOR_BANDS_STEEL_SILICON_WITHOUT_THE_PRINTED_V_C = {
     "ring force, n free": Series("ring force, $n$ from 0 to 2", 0),
@@ -72,24 +81,75 @@ LOOKS_POSTERIOR_BANDS_FLUORESCEIN_MOLYBDENUM_WITHOUT_THE_PRINTED_V_C = {
         is of is not stated.
     """,
     tables={
-        "evidence_summary": "Median and 5 to 95 % of every quantity by scenario and law, evidence of the law, its standing and what it misses.",
-        "evidence_statements": "Interval of each statement, and the value that the contacts of each scenario and law have.",
+        "evidence_summary": "Median and 5 to 95 % of every quantity by scenario and law, evidence "
+        "of the law, its standing and what it misses.",
+        "evidence_statements": "Interval of each statement, and the value that the contacts of "
+        "each scenario and law have.",
         "posterior_contacts": "Contacts drawn from every posterior, with their parameters.",
     },
     height_mm=215.0,
 )
 def draw_evidence(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.evidence.draw)."""
-    capture_velocity, work_of_adhesion = sheet.panels(
-        xscale="log", ylim=(0.0, 1.0), ylabel="What counts"
-    )
-    capture_velocity.set(xlim=(0.008, 0.4), xlabel=CAPTURE_VELOCITY)
-    work_of_adhesion.set(xlim=(0.002, 12.0), xlabel=WORK_OF_ADHESION)
-    sheet.steps(capture_velocity.xaxis, 1.0, 3.0)
-    sheet.steps(work_of_adhesion.xaxis, 1.0)
-    sheet.draw(capture_velocity, LOOKS_EVIDENCE_CAPTURE_VELOCITY)
-    sheet.draw(work_of_adhesion, LOOKS_EVIDENCE_CAPTURE_VELOCITY)
-    sheet.keys()
+    """A line per scenario, omission and choice, with an interval by each law.
+
+    The series are ``kind; name; law``, and `FEW` at the end of those from few contacts; the
+    abscissa of the data counts the lines and runs downwards here.
+    """
+    from study.figures import style
+
+    velocity, work = sheet.panels(xscale="log")
+    velocity.set(xlim=(0.008, 0.4), xlabel=CAPTURE_VELOCITY)
+    work.set(xlim=(0.002, 12.0), xlabel=WORK_OF_ADHESION)
+    sheet.steps(velocity.xaxis, 1.0, 3.0)
+    sheet.steps(work.xaxis, 1.0)
+    for ax in (velocity, work):
+        _draw_lines(sheet, ax, is_first=ax is velocity)
+    style.legend_above(sheet.figure, (velocity, work))
+
+
+def _draw_lines(sheet: Sheet, ax: Axes, *, is_first: bool) -> None:
+    from matplotlib.ticker import NullLocator
+
+    from study.figures import style
+
+    table = sheet.rows(str(ax.get_label()))
+    is_printed = table["evidence"] == "printed"
+    names = table.loc[~is_printed, "series"].str.split("; ", expand=True)
+    rows = table[~is_printed].assign(kind=names[0], line=names[1], law=names[2])
+    is_grey = rows["series"].str.endswith(FEW)
+    lines = rows.drop_duplicates("x_1")
+    # A head of its own opens each kind.
+    kinds = list(dict.fromkeys(lines["kind"]))
+    heights = lines["x_1"] + lines["kind"].map(kinds.index)
+    height = dict(zip(lines["x_1"], heights, strict=True))
+    laws = [law for law in LAWS if law in set(rows["law"])]
+    for number, law in enumerate(laws):
+        words, look = LAWS[law]
+        shift = APART * (number - 0.5 * (len(laws) - 1))
+        for grey, label in (({}, words), (GREY, "from few contacts")):
+            part = rows[(rows["law"] == law) & (is_grey == bool(grey))]
+            middle, low, high = part.iloc[:, 4], part["y_low"], part["y_high"]
+            y, error = part["x_1"].map(height) + shift, [middle - low, high - middle]
+            if len(part):
+                ax.errorbar(middle, y, xerr=error, capsize=0.0, label=label, **LINE | look | grey)
+    for value in table.loc[is_printed].iloc[:, 4]:
+        ax.axvline(
+            value, color="0.4", linewidth=0.8, linestyle="dotted", zorder=0, label="printed $v_c$"
+        )
+    ax.set_ylim(max(heights) + 0.6, min(heights) - 1.6)
+    ax.set_xlim(style.widened(ax.get_xlim(), rows.iloc[:, [4, 5, 6]].to_numpy(float), log=True))
+    heads = [float(heights[lines["kind"] == kind].min()) - 1.0 for kind in kinds]
+    for head in heads:
+        ax.axhline(head, color="0.85", linewidth=0.6, zorder=0)
+    ax.tick_params(axis="y", length=0)
+    ax.yaxis.set_minor_locator(NullLocator())
+    ax.set_ylabel("")
+    names_of_lines = [*lines["line"], *(HEADS[kind] for kind in kinds)] if is_first else []
+    for name, symbol in SYMBOLS.items():
+        names_of_lines = [line.replace(name, symbol) for line in names_of_lines]
+    ax.set_yticks([*heights, *heads], names_of_lines)
+    for tick in ax.get_yticklabels()[len(heights) :]:
+        tick.set_fontweight("bold")
 
 
 @Figure(
