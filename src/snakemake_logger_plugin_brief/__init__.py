@@ -41,7 +41,7 @@ def _message(error: str) -> str:
     from study import analyses
     from study.declared.documents import load
 
-    name, known = wrong[1], [*load(declared_file("figures.yaml")), *analyses.homes()]
+    name, known = wrong[1], [*analyses.figures(), *analyses.homes()]
     near = nearest(name, known) if "/" not in name else "; `snakemake --list` has the names"
     return f"{name}: no figure, rule or file of the study{near}"
 

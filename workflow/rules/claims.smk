@@ -29,7 +29,6 @@ rule claims:
     input:
         **tables("claim_numbers", "claim_draws", "posterior_contacts"),
         **tables("external_evidence", "digitised_residuals"),
-        amendments=PROJECT / "config/amendments.csv",
     output:
         **tables("claim_results", "claim_shares", "claim_evidence", "claim_amendments"),
         claims=report(
@@ -53,7 +52,9 @@ rule claims:
             if CHANGED
         },
         rests_on=digest_of_inputs("claim_numbers", "digitised_comparison"),
-        code=digest_of_code("study.judge", script="judge_ledger.py"),
+        code=digest_of_code(
+            "study.judge", script="judge_ledger.py", files=[PROJECT / "config/amendments.csv"]
+        ),
     script:
         "../scripts/judge_ledger.py"
 

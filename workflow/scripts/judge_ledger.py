@@ -20,7 +20,7 @@ def main(job: Any) -> str:
     ledger = import_module(job.params.module)
     declared = {name: parse_table(text) for name, text in job.params.rows.items()}
     tables = NamedTables(declared | dict(job.input.items()))
-    settings = (job.params.branch, job.params.changed) if "branch" in job.params.keys() else ()
+    settings = (job.params.branch, job.params.changed) if "branch" in dict(job.params.items()) else ()
     judged = ledger.judge(tables, *settings)
     for name, path in job.output.items():
         write_table(judged[name], path)

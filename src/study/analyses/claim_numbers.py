@@ -40,7 +40,13 @@ NEEDS = {
         "spore_trends",
         "surface_pairs",
     ),
-    "fig24_25_doe": ("doe_bd_aliasing", "doe_design", "doe_effects", "doe_elasticities", "doe_levels"),
+    "fig24_25_doe": (
+        "doe_bd_aliasing",
+        "doe_design",
+        "doe_effects",
+        "doe_elasticities",
+        "doe_levels",
+    ),
     "fig23_monte_carlo": ("monte_carlo",),
 }
 PRINTED_VALUES = (

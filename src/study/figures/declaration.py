@@ -74,7 +74,7 @@ FIGURES: dict[str, Figure] = {}
 
 
 def _no_drawing(sheet: Sheet) -> None:
-    raise NotImplementedError(f"{sheet.figure.name}: nothing draws it")
+    raise NotImplementedError(f"{sheet.declared.name}: nothing draws it")
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from collections import Counter
 from collections.abc import Mapping
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from microimpact.core.materials import declared_file
 from study.claims.claim import Claim
 from study.judge.changed import Changed, with_inputs
 from study.judge.criteria import declared_claims
@@ -38,7 +40,6 @@ COLUMNS = (
     *("computed_value", "unit", "verdict", "margin", "shares", "decided_by", "independent"),
     *("evidence", "figures", "code", "inputs", "changed_inputs", "reason", "note"),
 )
-AMENDMENT_COLUMNS = ("id", "part", "was", "now", "reason")
 SHARE_COLUMNS = ("id", *GROUPS, "share", "low", "high", "effective_size")
 
 NO_SHARES: Mapping[str, Share] = {}
@@ -60,8 +61,8 @@ def judge(
     ----------
     tables
         ``claim_numbers``; ``claim_draws`` and ``posterior_contacts``, for the shares;
-        ``external_evidence``; ``digitised_residuals``, whose series of digitised points have rows
-        after the claims; and ``amendments``, what of a claim was changed after first judging.
+        ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have
+        rows after the claims.
     values
         Parameters of ``claim_numbers``, for the words, see `declared_claims`.
     changed
@@ -97,8 +98,14 @@ def judge(
         "claim_shares": pd.DataFrame(counts, columns=list(SHARE_COLUMNS)),
         "claim_results": pd.DataFrame([*numbers, *residuals], columns=list(RESULT_COLUMNS)),
         "claim_evidence": evidence,
-        "claim_amendments": tables["amendments"],
+        "claim_amendments": pd.DataFrame(amendments()),
     }
+
+
+def amendments() -> list[Row]:
+    """Return what of a claim was changed after its first judgement: rows of the declared file."""
+    with declared_file("amendments.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def verdicts(

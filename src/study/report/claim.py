@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import yaml
 
-from microimpact.core.materials import declared_file
 from microimpact.core.nearest import nearest
 from study import analyses
-from study.analyses.claim_numbers import CLAIMS, Params, draws_of, numbers_of
+from study.analyses.claim_numbers import Params, draws_of, numbers_of
+from study.claims.claim import CLAIMS, Claim
 from study.claims.context import Common
-from study.contacts import DRAWN
 from study.declared.parameters import build
-from study.declared.references import merged
-from study.judge import verdicts, words
+from study.judge import amendments, verdicts, words
 from study.judge.changed import Changed, with_inputs
-from study.judge.criteria import Claim, ContactProperty, read_claims
+from study.judge.criteria import declared_claims
 from study.judge.independent import independent
 from study.judge.shares import shares
 from study.report.check.results import ResultsError
@@ -33,11 +31,6 @@ from study.run.study import Made, settings_as_shipped
 from study.tables import Row, parse_table, read_table
 
 STUDY = "claim_numbers"
-
-
-# Columns of tables that hold properties of contacts, by property.
-COLUMNS = {name: column for column, name in DRAWN.items()} | {"friction_basis": "friction_basis"}
-CONTACTS = ("calibration", "calibration_family", "posterior_contacts")
 UNCHANGED: Mapping[Any, Any] = {}
 
 
@@ -55,7 +48,6 @@ class Judged:
 def judged(
     name: str,
     changes: Mapping[str, Any] = UNCHANGED,
-    contacts: Mapping[ContactProperty, float | str] = UNCHANGED,
     folder: Path | None = None,
 ) -> Judged:
     """Compute and judge one claim, with the studies that it needs; nothing is written.
@@ -66,9 +58,6 @@ def judged(
         Such as ``C58``.
     changes
         Declared values in place of the shipped ones, at every depth.
-    contacts
-        Factors on properties of all contacts that the claim's own numbers are computed with, or
-        another basis of their friction.
     folder
         Results of the shipped configuration, from which tables are taken; without one, all are
         computed.
@@ -80,15 +69,13 @@ def judged(
     """
     made = Made(STUDY, changes, folder)
     branch = made.settings.branches[STUDY]
-    claim = read_claims(declared_file("claims.yaml"), branch)[name]
-    if folder and not changes and not contacts:
+    claim = declared_claims(branch)[name]
+    if folder and not changes:
         numbers, draws = (
             read_table(folder / f"tables/{table}.csv").query("claim == @name")
             for table in (STUDY, "claim_draws")
         )
     else:
-        if contacts:
-            made.update({table: with_contacts(made[table], contacts) for table in CONTACTS})
         numbers, draws = _computed(claim, build(Params, branch), made)
     drawn = shares({name: claim}, draws, made["posterior_contacts"]) if len(draws) else {}
     ledger, results = verdicts({name: claim}, numbers, drawn)
@@ -98,26 +85,7 @@ def judged(
     )
 
 
-def with_contacts(
-    table: pd.DataFrame, changes: Mapping[ContactProperty, float | str]
-) -> pd.DataFrame:
-    """Multiply properties of the contacts of a table by factors, or replace their basis.
-
-    Contacts by a law without the property are left out.
-    """
-    table = table.copy()
-    for name, change in changes.items():
-        column = COLUMNS[name]
-        if column in table:
-            table = table[table[column].notna()].copy()
-            table[column] = change if isinstance(change, str) else table[column] * change
-        elif "role" in table and not isinstance(change, str):
-            rows = (table["role"] == "parameter") & (table["quantity"] == name)
-            table.loc[rows, "value"] *= change
-    return table
-
-
-def tell(name: str, changes: Mapping[str, Any], results: Path, *, broken: bool = False) -> str:
+def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
     """Return a claim in words, its numbers from a run or computed now.
 
     Parameters
@@ -128,37 +96,29 @@ def tell(name: str, changes: Mapping[str, Any], results: Path, *, broken: bool =
         Declared values to be changed, at every depth; the claim alone is then computed.
     results
         Results folder. Tables are taken from it if it holds a run of the shipped configuration.
-    broken
-        Whether the change that must alter the verdict is made, too.
 
     Raises
     ------
     ValueError
-        If there is no such claim or key, or a value is not allowed, or the change is not data.
+        If there is no such claim or key, or a value is not allowed.
     """
-    claims = read_claims(declared_file("claims.yaml"))
+    claims = declared_claims()
     if name not in claims:
         raise ValueError(f"{name!r} is no claim{nearest(name, claims)}")
-    control = claims[name].break_
-    if not control:
-        return _page(claims[name], {"verdict": claims[name].verdicts[0]}, evidence=[], broken=False)
-    if broken and not control.is_data:
-        raise ValueError(f"{name}: its break is a wrong form of the code: {control.change}")
-    contacts = control.contacts if broken else UNCHANGED
-    changes = merged(control.set, changes) if broken else changes
+    if not claims[name].testable:
+        return _page(claims[name], {"verdict": "not testable"}, evidence=[])
     folder = results if _shipped(results) else None
-    claim = judged(name, changes, contacts, folder)
+    claim = judged(name, changes, folder)
     facts = folder / "tables/external_evidence.csv" if folder else None
     evidence = independent({name: claim.claim}, read_table(facts)) if facts else pd.DataFrame()
     function = CLAIMS[name].function
     where = f"{inspect.getsourcefile(function)}:{inspect.getsourcelines(function)[1]}"
     makers = analyses.needs(STUDY)
     source = str(folder or "computed now")
-    if changes or contacts:
+    if changes:
         source = f"computed now{f'; what rests on no change from {folder}' if folder else ''}"
     settings = yaml.safe_dump(dict(changes), default_flow_style=True).strip() if changes else ""
-    row = with_inputs(claim.ledger, {} if broken else claim.changed)
-    factors = f"contacts by {dict(contacts)}" if contacts else ""
+    row = with_inputs(claim.ledger, claim.changed)
     return _page(
         claim.claim,
         {key: value for key, value in row.items() if value != "" and pd.notna(value)},
@@ -167,8 +127,7 @@ def tell(name: str, changes: Mapping[str, Any], results: Path, *, broken: bool =
         problems=[each for each in dict.fromkeys(claim.numbers["problem"].dropna()) if each],
         code=f"{row['code']}, {where}",
         inputs=[f"{n} (of {makers[n]})" if n in makers else n for n in row["inputs"].split()],
-        broken=broken,
-        changes="; ".join(filter(None, (settings, factors))),
+        changes=settings,
         source=source,
     )
 
@@ -178,7 +137,7 @@ def _page(claim: Claim, row: Mapping[Any, Any], **facts: Any) -> str:
         "claim.txt.jinja",
         templates=Path(__file__).parent,
         claim=claim,
-        amendments=[asdict(amendment) for amendment in claim.amendments],
+        amendments=[row for row in amendments() if row["id"] == claim.id],
         row=row,
         words=words,
         **facts,

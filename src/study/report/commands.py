@@ -94,22 +94,17 @@ def compare_command(baseline: Path, changed: Path, html: Path | None) -> None:
     help="Folder of a run, whose tables are used if it has the shipped configuration; "
     "default: results, if it is there.",
 )
-@click.option(
-    "--break", "broken", is_flag=True, help="Make the change that must alter the verdict."
-)
-def claim_command(
-    name: str, settings: tuple[str, ...], results: Path | None, *, broken: bool
-) -> None:
+def claim_command(name: str, settings: tuple[str, ...], results: Path | None) -> None:
     """Tell the claim NAME, such as C58, how it is judged, its numbers and their source.
 
-    With --set or --break the claim alone is computed; nothing is written.
+    With --set the claim alone is computed; nothing is written.
     """
     from study.report.check.results import require_results
     from study.report.claim import changed, tell
 
     if results:
         require_results(results)
-    click.echo(tell(name, changed(settings), results or Path("results"), broken=broken))
+    click.echo(tell(name, changed(settings), results or Path("results")))
 
 
 @click.command("crate")
@@ -144,10 +139,9 @@ def pages_command(results: Path) -> None:
 
     Without RESULTS, the pages are written again from the tables that are kept.
     """
-    from microimpact.core.materials import declared_file
     from study.report.documents import renew
 
-    changed = renew(results, Path("docs"), declared_file("claims.yaml"), FULL)
+    changed = renew(results, Path("docs"), FULL)
     click.echo("\n".join(map(str, changed)) or "no page changes")
 
 

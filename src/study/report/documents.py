@@ -7,9 +7,8 @@ claims.
 
 from __future__ import annotations
 
-import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +19,9 @@ import yaml
 
 from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
-from study.declared.documents import load
-from study.judge.criteria import CLAIM_NAME, read_claims
+from study import analyses
+from study.judge import amendments
+from study.judge.criteria import declared_claims
 from study.judge.words import agreement, drawn_share, quantities, readable, with_unit
 from study.report.site.figures import label
 from study.report.site.ledgers import Row, by_claim, counted, read_rows
@@ -102,7 +102,7 @@ class Numbers:
         return self.rows[name]
 
 
-def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tuple[str, ...]]:
+def pages(results: Path, docs: Path) -> tuple[dict[str, str], tuple[str, ...]]:
     """Return the text of each page by its name, and the names of the tables read.
 
     Parameters
@@ -111,8 +111,6 @@ def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tu
         Folder with ``tables`` of a full run.
     docs
         Folder of the templates.
-    criteria
-        The file of claims.
 
     Raises
     ------
@@ -132,8 +130,8 @@ def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tu
     environment = _ENVIRONMENT.overlay()
     environment.globals = {**_ENVIRONMENT.globals, "table": table}
     texts = {
-        DEVIATIONS: deviations(results, criteria),
-        CODECHECK: codecheck(load("config/figures.yaml")),
+        DEVIATIONS: deviations(results),
+        CODECHECK: codecheck(analyses.figures()),
     }
     for template in sorted(docs.glob(f"*{SUFFIX}")):
         text = template.read_text(encoding="utf-8")
@@ -145,7 +143,7 @@ def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tu
     return texts, tuple(sorted({*LEDGERS, *read}))
 
 
-def codecheck(figures: Mapping[str, Any]) -> str:
+def codecheck(figures: Iterable[str]) -> str:
     """Return the outputs that a person who repeats the run compares (CODECHECK, version 1)."""
     manifest = [
         {"file": f"results/figures/{name}.pdf", "comment": label(name)} for name in sorted(figures)
@@ -168,15 +166,13 @@ def codecheck(figures: Mapping[str, Any]) -> str:
     return yaml.safe_dump(about, sort_keys=False, allow_unicode=True, width=100)
 
 
-def deviations(results: Path, criteria: Path) -> str:
+def deviations(results: Path) -> str:
     """Return the page of corrections, failed reproductions and changes, in Markdown.
 
     Parameters
     ----------
     results
         Folder with the tables `LEDGERS`.
-    criteria
-        The file of claims, see `read_claims`.
 
     Raises
     ------
@@ -186,13 +182,13 @@ def deviations(results: Path, criteria: Path) -> str:
     tables = {name: read_rows(results / f"tables/{name}.csv") for name in LEDGERS}
     equations = tables["equations"]
     # Rows after the claims are about digitised points of the user's own.
-    claims = [row for row in tables["claims"] if re.match(CLAIM_NAME, row["id"])]
+    claims = [row for row in tables["claims"] if row["id"].startswith("C")]
     parts = (by_claim(tables[name]) for name in LEDGERS[2:])
     evidence, numbers, shares = parts
-    declared = read_claims(criteria)
+    declared = declared_claims()
     if strangers := {row["id"] for row in claims} ^ set(declared):
         raise ValueError(
-            f"{results / 'tables/claims.csv'} and {criteria} do not hold the same claims:"
+            f"{results / 'tables/claims.csv'} and the code do not hold the same claims:"
             f" {', '.join(sorted(strangers))} in one of them only; run the study again"
         )
     page = render(
@@ -203,7 +199,7 @@ def deviations(results: Path, criteria: Path) -> str:
         equations=equations,
         claims=claims,
         declared=declared,
-        amended=[claim for claim in declared.values() if claim.amendments],
+        amendments=amendments(),
         evidence=evidence,
         results=numbers,
         agreement=agreement,
@@ -221,13 +217,13 @@ def verdict_counts(rows: Sequence[Row]) -> dict[str, int]:
     return dict(Counter(row["verdict"] for row in rows).most_common())
 
 
-def renew(results: Path, docs: Path, criteria: Path, kept: Path) -> list[Path]:
+def renew(results: Path, docs: Path, kept: Path) -> list[Path]:
     """Write the pages, and keep the tables that they read; return the files that changed.
 
     Raises PageError if the run is not one of the shipped configuration, or lacks a number.
     """
     _require_full(results, kept)
-    texts, names = pages(results, docs, criteria)
+    texts, names = pages(results, docs)
     wanted = {docs / name: text.encode() for name, text in texts.items()}
     wanted |= {
         kept / f"tables/{name}.csv": (results / f"tables/{name}.csv").read_bytes() for name in names

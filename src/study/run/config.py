@@ -425,7 +425,7 @@ def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]
         return settings.tables.contact_rows()
     if name == "digitised_comparison":
         return as_rows(digitised, digitised)
-    compared = ("fig15", "fig16") if name == "restitution_fits" else ()
+    compared = ("fig15", "fig16") if name == "fig15_16_restitution_fits" else ()
     return {**settings.rows[name], **as_rows(digitised, compared)}
 
 

@@ -25,9 +25,6 @@ from study.declared.provenance import EVIDENCE
 from study.declared.references import FROM
 from study.equations.forms import ERRATA, SYMBOLS
 from study.equations.records import EQUATION_NAME, Equation
-from study.figures.registry import FIGURE_NAME, FigureSpec
-from study.judge.criteria import CLAIM_NAME, DIGITISED, Claim
-from study.judge.digitised import DigitisedCriteria
 from study.laboratory import Laboratory
 from study.run.config import General
 
@@ -94,14 +91,10 @@ def schemas() -> dict[str, Schema]:
     ]
     keys += [(name, analyses.analysis(name).Params) for name in analyses.homes()]
     configuration = make_dataclass("Configuration", keys, kw_only=True)
-    claims = _registry(CLAIM_NAME, Claim)
-    claims["properties"] = {DIGITISED: _generated(DigitisedCriteria)}
     equations = _registry(EQUATION_NAME, Equation)
     equations["properties"] = {SYMBOLS: {"type": "object"}, ERRATA: {"type": "array"}}
     return {
         "config.schema.json": _generated(configuration),
-        "figures.schema.json": _registry(FIGURE_NAME, FigureSpec),
-        "claims.schema.json": claims,
         "equations.schema.json": equations,
     }
 

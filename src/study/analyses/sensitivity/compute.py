@@ -31,7 +31,10 @@ from study.contacts import calibrated_contact
 from study.declared.parameters import CaseName, Count, Must, OpenShare, Positive
 from study.tables import Row, Tables, series_frame
 
-NEEDS = {"calibration": ("calibration", "calibration_family"), "fig24_25_doe": ("doe_levels", "doe_effects")}
+NEEDS = {
+    "calibration": ("calibration", "calibration_family"),
+    "fig24_25_doe": ("doe_levels", "doe_effects"),
+}
 
 # Place of this study among the random draws of one seed.
 ANALYSIS = 25

@@ -6,11 +6,9 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 from urllib.parse import urlencode
 
 from study import analyses
-from study.judge.words import in_words
 from study.report.site.ledgers import Row, read_rows
 from study.report.site.record import Record
 
