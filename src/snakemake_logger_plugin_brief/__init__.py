@@ -36,10 +36,8 @@ def _message(error: str) -> str:
     wrong = _NO_TARGET.search(error)
     if not wrong:
         return _PLACE.sub("", error).strip()
-    from microimpact.core.materials import declared_file
     from microimpact.core.nearest import nearest
     from study import analyses
-    from study.declared.documents import load
 
     name, known = wrong[1], [*analyses.figures(), *analyses.homes()]
     near = nearest(name, known) if "/" not in name else "; `snakemake --list` has the names"

@@ -1,4 +1,4 @@
-"""Draw the figures of an analysis from its tables, each as SVG, PNG, PDF and table of its content."""
+"""Draw the figures of an analysis, each as SVG, PNG, PDF and table of its content."""
 
 from importlib import import_module
 from pathlib import Path

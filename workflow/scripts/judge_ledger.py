@@ -13,14 +13,15 @@ def main(job: Any) -> str:
     """Judge one ledger and return a line that counts its verdicts.
 
     The rule names it as ``params.ledger`` and gives rows of declared tables as ``params.rows``
-    (name -> CSV text), tables of analyses as named input files and, of the claims, the values that their words take
-    as ``params.branch`` and what is not as shipped as ``params.changed``; its outputs are the
-    tables of the ledger by their names.
+    (name -> CSV text), tables of analyses as named input files and, for claims, the values in
+    their words as ``params.branch`` and what is not as shipped as ``params.changed``; its outputs
+    are the tables of the ledger by their names.
     """
     ledger = import_module(job.params.module)
     declared = {name: parse_table(text) for name, text in job.params.rows.items()}
     tables = NamedTables(declared | dict(job.input.items()))
-    settings = (job.params.branch, job.params.changed) if "branch" in dict(job.params.items()) else ()
+    named = dict(job.params.items())
+    settings = [named[key] for key in ("branch", "changed") if key in named]
     judged = ledger.judge(tables, *settings)
     for name, path in job.output.items():
         write_table(judged[name], path)

@@ -1,15 +1,15 @@
-"""Analyses: each from a branch of the configuration to tables and figures; the listing is the index.
+"""Analyses, each from a branch of the configuration to tables and figures.
 
-An analysis bears one name, which begins with the figures of the article that it makes: that of its
-folder or module here, of its file in ``config/analyses``, of its rule and of its test. Its module,
-or ``compute`` in its folder, defines a frozen dataclass ``Params`` and a pure function ``run(params,
-inputs)`` that returns its tables by name; ``draw`` in its folder declares its figures beside the
-functions that draw them. If it takes tables of earlier analyses, ``NEEDS`` names them by the
-analysis that makes them. They are among the inputs by their names, and so are declared rows:
-``materials`` and ``contacts`` of what the parameters name, and as ``printed`` the printed values
-that they name or that ``PRINTED_VALUES`` lists. If its parameters must agree with those of an
-analysis that it needs, ``disagreements(params, others)`` yields a line for each that does not, which
-is told before anything is made. Nothing is registered here.
+The listing is the index: an analysis bears one name, which begins with the figures of the article
+that it makes. It is that of its folder or module here, of its file in ``config/analyses``, of its
+rule and of its test. Its module, or ``compute`` in its folder, defines a frozen dataclass
+``Params`` and a pure function ``run(params, inputs)`` that returns its tables by name; ``draw`` in
+its folder declares its figures beside the functions that draw them. If it takes tables of earlier
+analyses, ``NEEDS`` names them by the analysis that makes them. They are among the inputs by their
+names, and so are declared rows: ``materials`` and ``contacts`` of what the parameters name, and as
+``printed`` the printed values that they name or that ``PRINTED_VALUES`` lists. If its parameters
+must agree with those of an analysis that it needs, ``disagreements(params, others)`` yields a line
+for each that does not, which is told before anything is made.
 """
 
 from __future__ import annotations

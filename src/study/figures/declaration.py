@@ -1,4 +1,4 @@
-"""What an analysis says of its figures: words, data and panels, beside the function that draws them.
+"""What an analysis says of its figures: words, data and panels, beside what draws them.
 
 Nothing here imports Matplotlib: the words are read at every start of the workflow.
 """

@@ -6,9 +6,7 @@ import csv
 import math
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import asdict
 from itertools import compress, product
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np

@@ -1,1 +1,1 @@
-"""Pair search in the records of a phase Doppler particle analyser, and correction to the surface."""
+"""Phase Doppler particle analyser: pair search and correction to the surface."""

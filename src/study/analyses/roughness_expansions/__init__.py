@@ -1,1 +1,1 @@
-"""Restitution and impulse ratio measured on a slope: exact, expanded, and as printed (Section 4.1)."""
+"""Coefficients measured on a slope: exact, expanded, as printed."""
