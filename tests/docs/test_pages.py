@@ -91,7 +91,7 @@ def test_a_number_that_is_not_there_is_named(docs, run, asked, message):
 
 
 def test_what_the_example_analysis_found_is_in_its_table():
-    page = (ROOT / "docs/adding-an-analysis.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/separation.md").read_text(encoding="utf-8")
     rows = page.partition("| statement of the abstract | found |")[2].splitlines()[2:]
     found = " ".join(row.split(" | ")[1] for row in rows if row)
     table = pd.read_csv(ROOT / "tests/reference/tables/particle_separation.csv")

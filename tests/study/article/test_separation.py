@@ -8,7 +8,7 @@ import pytest
 from tests.shared import ROOT
 
 FORCES = ("adhesion", "uniform charge", "charged patches")
-GUIDE = (ROOT / "docs/adding-an-analysis.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs/separation.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
