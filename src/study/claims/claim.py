@@ -222,10 +222,10 @@ class Claim:
         known = {**values, **values.get(self.id, {})}
         texts = {key: getattr(self, key) for key in ("statement", "article", "reason")}
         labels = {name: number.label for name, number in self.numbers.items()}
-        words = filled({**texts, "numbers": labels}, known, self.id)
-        labels = words.pop("numbers")
+        words = filled({**texts, "numbers": labels, "cases": [*self.cases]}, known, self.id)
+        labels, cases = words.pop("numbers"), tuple(words.pop("cases"))
         numbers = {n: replace(each, label=labels[n]) for n, each in self.numbers.items()}
-        return replace(self, **words, numbers=numbers)
+        return replace(self, **words, numbers=numbers, cases=cases)
 
     def settings(self) -> type | None:
         """Return the dataclass of its settings, the keyword arguments of its function, if any."""

@@ -149,7 +149,7 @@ def verdicts(
 def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
     rows = numbers[numbers["claim"] == claim.id]
     computed = rows[rows["problem"] == ""]
-    wanted = set(product(claim.cases or ("",), claim.quantities if claim.testable else ()))
+    wanted = set(product(claim.cases or ("",), claim.numbers if claim.testable else ()))
     keys = list(zip(computed["case"], computed["quantity"], strict=True))
     finite = np.isfinite(computed["value"].to_numpy(float))
     problems = {
