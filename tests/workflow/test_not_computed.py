@@ -8,11 +8,11 @@ import pandas as pd
 import pytest
 from tests.shared import ROOT, settings_as_shipped
 
+from study.claims.claim import claim_numbers
+from study.contacts import calibrated_contact, solved_contacts
 from study.declared.parameters import build
 from study.declared.selection import NamedTables
 from study.run.study import run_study
-from study.claims.claim import claim_numbers
-from study.contacts import calibrated_contact, solved_contacts
 from study.tables import NotComputedError, not_computed, read_table, write_table
 
 WHY = "calibration.two_stage.members.n = 1: no solution"

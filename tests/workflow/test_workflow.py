@@ -236,7 +236,8 @@ def test_one_target_with_other_inputs_leaves_nothing_that_tells_the_old_ones(pro
         assert not [name for name in stamp["outdated"] if "fig17" in name or "fig20" in name]
         assert "Made earlier, from other inputs" in said
         assert (
-            "fig14_restitution_trends.body_speed_m_per_s,130," in (out / "tables/inputs.csv").read_text()
+            "fig14_restitution_trends.body_speed_m_per_s,130,"
+            in (out / "tables/inputs.csv").read_text()
         )
         assert not (out / "report/run.html").exists()
         # Made by the run itself; its rule need not run again.

@@ -13,10 +13,10 @@ from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 from matplotlib.path import Path as Outline
 from matplotlib.transforms import Bbox
+from study.figures.registry import QUANTITIES
 from tests.shared import ROOT, settings_as_shipped
 
 from study.figures import style
-from study.figures.registry import QUANTITIES
 from study.report.check.results import read_text, table_files
 from study.run.config import read_inputs
 from study.tables import parse_table

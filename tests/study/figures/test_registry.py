@@ -5,12 +5,12 @@ from __future__ import annotations
 import copy
 
 import pytest
+from study.figures.registry import RegistryError, figure_spec, filled, registry
 from tests.shared import ROOT
 
 from study.declared.documents import ConfigError, load
-from study.figures.registry import RegistryError, figure_spec, filled, registry
-from study.figures.style import new_figure
 from study.equations import EQUATIONS
+from study.figures.style import new_figure
 
 ENTRIES = load(ROOT / "config/figures.yaml")
 
@@ -57,7 +57,12 @@ def test_a_bad_entry_is_named(entry, message):
         ("models.curves", "x_steps", [0.0], r"x_steps\[0\]: 0.0 must be greater than 0"),
         ("models.curves", "y_steps", [1, 3], r"y_steps: must be empty: the scale is linear"),
         ("models.curves", "y_label", "", r"y_label: '' must not be empty"),
-        ("fig01_03_13_19_22_schematics.impacts", "x_label", "x", r"x_label: 'x' must be empty: it has no axes"),
+        (
+            "fig01_03_13_19_22_schematics.impacts",
+            "x_label",
+            "x",
+            r"x_label: 'x' must be empty: it has no axes",
+        ),
     ],
 )
 def test_an_axis_that_cannot_be_is_refused_and_words_for_none(module, key, value, message):

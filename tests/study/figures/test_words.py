@@ -6,10 +6,10 @@ import re
 from collections.abc import Mapping
 
 import pytest
+from study.figures.registry import filled, registry
 from tests.shared import ROOT, settings_as_shipped
 
 from study.declared.documents import load
-from study.figures.registry import filled, registry
 
 ENTRIES = load(ROOT / "config/figures.yaml")
 SETTINGS = settings_as_shipped()

@@ -7,10 +7,10 @@ import shutil
 from dataclasses import replace
 
 import pytest
+from study.figures.registry import filled
 from tests.shared import ROOT, made_once, require
 
 from study.declared.documents import load
-from study.figures.registry import filled
 from study.report.check.results import read_text, table_files
 from study.report.site.build import write_site
 from study.report.site.record import Change, Record, write_record

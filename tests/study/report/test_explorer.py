@@ -20,11 +20,11 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.dynamics.normal import normal_impact
+from study.contacts import calibrated_contact
 from study.report.explorer.build import MATERIAL, page_files
 from study.report.site.figures import explored
 from study.report.site.ledgers import read_rows
 from study.report.site.pages import ASSETS
-from study.contacts import calibrated_contact
 from study.tables import parse_table, read_table
 
 pytestmark = pytest.mark.slow

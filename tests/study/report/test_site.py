@@ -250,7 +250,12 @@ def test_a_figure_rests_on_the_studies_that_its_study_needs():
 
 
 def test_a_claim_rests_on_the_departures_of_its_own_studies_alone():
-    keys = ("fig20_force_history.diameter_um", "calibration.n", "fig24_25_doe.levels", "claim_numbers.speed")
+    keys = (
+        "fig20_force_history.diameter_um",
+        "calibration.n",
+        "fig24_25_doe.levels",
+        "claim_numbers.speed",
+    )
     declared = [{"key": key, "overrides": "printed.x = 1"} for key in keys]
     record = SimpleNamespace(figures={"fig25": {"study": "doe"}})
 

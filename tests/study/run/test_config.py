@@ -74,7 +74,10 @@ def test_all_problems_are_listed():
 def test_a_missing_key_and_a_missing_branch_are_named():
     config = changed()
     del config["coulomb_friction"]["points"], config["restitution_trends"]
-    assert lines(config) == ["restitution_trends: missing", "fig17_coulomb_friction.points: missing"]
+    assert lines(config) == [
+        "restitution_trends: missing",
+        "fig17_coulomb_friction.points: missing",
+    ]
 
 
 def declared(config, key):
@@ -124,7 +127,11 @@ def test_shipped_files_meet_the_schemas():
     [
         {"coulomb_frction": {}},
         {"fig17_coulomb_friction": {"restitution": 1.5}},
-        {"fig17_coulomb_friction": {"restitution": {"value": 1.5, "evidence": "user", "source": "x"}}},
+        {
+            "fig17_coulomb_friction": {
+                "restitution": {"value": 1.5, "evidence": "user", "source": "x"}
+            }
+        },
         {"fig23_monte_carlo": {"process": {"slope": {"kind": "normal", "sd": "steep"}}}},
         {"seed": "1"},
     ],

@@ -6,10 +6,10 @@ import re
 
 import numpy as np
 import pytest
+from study.figures.registry import registry
 from tests.shared import ROOT
 
 from study.declared.documents import ConfigError, load
-from study.figures.registry import registry
 from study.run.digitised import as_rows, read_folder, read_points
 from study.tables import parse_table, points_series
 

@@ -11,7 +11,9 @@ from study.run.study import Made, run_study
 
 
 def test_arrays_are_taken_as_lists():
-    (table,) = run_study("fig17_coulomb_friction", friction=np.array([0.1, 0.2]), points=10).values()
+    (table,) = run_study(
+        "fig17_coulomb_friction", friction=np.array([0.1, 0.2]), points=10
+    ).values()
     assert {"0.1", "0.2"} <= set(table["series"])
     assert "0.15" not in set(table["series"])
 

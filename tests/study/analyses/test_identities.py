@@ -24,7 +24,11 @@ def force_history(run_study, calibration, admitted):
 
 @pytest.fixture(scope="module")
 def tables(run_study, force_history):
-    return {**run_study("fig14_restitution_trends"), **run_study("fig17_coulomb_friction"), **force_history()}
+    return {
+        **run_study("fig14_restitution_trends"),
+        **run_study("fig17_coulomb_friction"),
+        **force_history(),
+    }
 
 
 def curve(tables, figure, series, panel=None):

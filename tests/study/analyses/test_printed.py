@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 from tests.shared import shipped
 
+from study.contacts import intervals, printed_beside
 from study.declared.references import merged
 from study.run.config import validate
-from study.contacts import intervals, printed_beside
 
 STEEL = "stainless-steel-316", "silicon"
 
@@ -56,5 +56,7 @@ def test_a_cell_holds_numbers_and_ranges():
 def test_faster_drops_move_no_printed_target(settings):
     faster = {"speed_m_per_s": 3.0, "speed_range_m_per_s": [2.9, 3.1]}
     changed = validate(merged(shipped(), {"speeds": {"nominal": faster}}), shipped())
-    assert changed.branches["fig18_21_oblique_impact"] != settings.branches["fig18_21_oblique_impact"]
+    assert (
+        changed.branches["fig18_21_oblique_impact"] != settings.branches["fig18_21_oblique_impact"]
+    )
     assert changed.branches["calibration"] == settings.branches["calibration"]

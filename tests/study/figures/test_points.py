@@ -11,10 +11,10 @@ from matplotlib.colors import same_color
 from tests.shared import ROOT
 
 from microimpact.model.empirical.equations import restitution
+from study.analyses.digitised_comparison import is_named
 from study.figures import style
 from study.judge.digitised import digitised_rows, read_digitised
 from study.run.digitised import as_rows, overlaid, read_points
-from study.analyses.digitised_comparison import is_named
 from study.tables import parse_table, series_frame
 
 TOP = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\nseries,x,y,y_low,y_high\n"

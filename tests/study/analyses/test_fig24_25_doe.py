@@ -86,7 +86,9 @@ def test_an_uncapturable_run_is_named(run_study, calibration, sampling):
 
 def test_another_generator(run_study, calibration, sampling):
     generator = "a b c ab ac"
-    found = run_study("fig24_25_doe", calibration, sampling=sampling, cases=STEEL[:1], generator=generator)
+    found = run_study(
+        "fig24_25_doe", calibration, sampling=sampling, cases=STEEL[:1], generator=generator
+    )
     table = found["doe_effects"]
     own = table[(table["variation"] == "uniform") & (table["response"] == "v_c by Eq. 34")]
     assert own["effect"].tolist() == ["A", "B", "C", "D", "E", "BC", "BE"]

@@ -17,7 +17,6 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.roughness import rough_rebound
 from microimpact.statistics.distributions import Constant, Normal, Uniform, generator
-from study.declared.parameters import build, explain
 from study.analyses.fig23_monte_carlo.compute import Params
 from study.analyses.fig23_monte_carlo.ensembles import (
     Ensemble,
@@ -30,6 +29,7 @@ from study.analyses.fig23_monte_carlo.ensembles import (
     replicate_sums,
 )
 from study.analyses.fig23_monte_carlo.slope_inference import SlopeInference, infer_slope
+from study.declared.parameters import build, explain
 
 SEED = 20011
 ARTICLE = Rules(facets="facing", must_leave=True, most_contacts=1)

@@ -22,7 +22,6 @@ from microimpact.statistics.effects import (
     normal_positions,
     words,
 )
-from study.declared.parameters import build, explain
 from study.analyses.fig24_25_doe import compute as doe
 from study.analyses.fig24_25_doe.factors import (
     LETTERS,
@@ -33,6 +32,7 @@ from study.analyses.fig24_25_doe.factors import (
     realistic_levels,
 )
 from study.contacts import calibrated_contact
+from study.declared.parameters import build, explain
 from study.tables import parse_table
 
 # 2^(5-2) of resolution III, D = AB and E = AC, written by hand.

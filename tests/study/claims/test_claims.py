@@ -8,19 +8,19 @@ import numpy as np
 import pandas as pd
 import pytest
 from tests.shared import ROOT, tables_made_once
-from tests.study.article.claim_breaks import BREAKS, STEEL, World
+from tests.study.claims.breaks import BREAKS, STEEL, World
 
 from study import analyses
+from study.analyses.claim_numbers import CLAIMS, numbers_of
+from study.analyses.fig24_25_doe.factors import elasticities
+from study.claims.claim import NUMBER_COLUMNS, claim_numbers
+from study.contacts import DRAWN, calibrated_contact
 from study.declared.parameters import build
 from study.declared.references import merged
 from study.judge import verdicts
 from study.judge.criteria import read_claims
 from study.judge.shares import shares
 from study.report.claim import judged
-from study.analyses.fig24_25_doe.factors import elasticities
-from study.claims.claim import NUMBER_COLUMNS, claim_numbers
-from study.analyses.claim_numbers import CLAIMS, numbers_of
-from study.contacts import DRAWN, calibrated_contact
 from study.tables import NOT_COMPUTED, parse_table
 
 # All rest on tables that take long to make.

@@ -16,10 +16,10 @@ from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.roughness import measured_impulse_ratio, measured_restitution
 from microimpact.statistics.distributions import Constant, Normal
 from microimpact.statistics.importance import drawn_size
-from study.declared.parameters import build
-from study.contacts import declared_contact
 from study.analyses.inference.compute import Judged, Params, values_at
 from study.analyses.inference.statements import NODES, WEIGHTS, Statement, values_of
+from study.contacts import declared_contact
+from study.declared.parameters import build
 from study.tables import parse_table
 
 WITH, WITHOUT = "with the printed v_c", "without the printed v_c"

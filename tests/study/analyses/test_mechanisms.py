@@ -10,9 +10,9 @@ import pytest
 from tests.shared import facet_rebound
 
 from microimpact.model.dynamics.impact import simulate
-from study.declared.parameters import build
 from study.analyses.mechanisms.compute import Params
 from study.analyses.mechanisms.slope import pair_rows
+from study.declared.parameters import build
 from study.samples import Sampling, contact_of
 
 

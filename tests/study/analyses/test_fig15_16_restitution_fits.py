@@ -45,7 +45,9 @@ def test_fits_from_closer_to_capture_are_closer(run_study, settings, calibration
     left_out = dict.fromkeys(set(cases) - {next(iter(cases)), case})
     errors = []
     for start in (1.05, 1.5, 3.0):
-        found = run_study("fig15_16_restitution_fits", calibration, cases=left_out, fitted_from=start)
+        found = run_study(
+            "fig15_16_restitution_fits", calibration, cases=left_out, fitted_from=start
+        )
         row = found["restitution_fits"].query("case == @case").iloc[0]
         errors.append(abs(row["v_c_m_per_s"] / row["simulated_v_c_m_per_s"] - 1))
     assert np.all(np.diff(errors) > 0)

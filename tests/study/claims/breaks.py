@@ -20,10 +20,7 @@ from microimpact.model.dynamics import impact as impact_module
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.roughness import measured_restitution
 from study import analyses
-from study.declared.parameters import build
-from study.report.claim import with_contacts
-from study.analyses.fig24_25_doe import compute as doe
-from study.analyses.fig24_25_doe.factors import realistic_levels
+from study.analyses.calibration import compute as calibration_study
 from study.analyses.claim_numbers import (
     Params,
     dynamics,
@@ -32,11 +29,14 @@ from study.analyses.claim_numbers import (
     rigid_body,
     roughness,
 )
-from study.contacts import calibrated_contact
+from study.analyses.fig24_25_doe import compute as doe
+from study.analyses.fig24_25_doe.factors import realistic_levels
 from study.analyses.mechanisms import compute as mechanisms
 from study.analyses.mechanisms import spore as spore_mechanism
 from study.analyses.mechanisms.shallow import adhesion_or_roughness, shallow_curves
-from study.analyses.calibration import compute as calibration_study
+from study.contacts import calibrated_contact
+from study.declared.parameters import build
+from study.report.claim import with_contacts
 
 STEEL = ("steel-silicon, n = 0", "steel-silicon, n = 1")
 MOLYBDENUM = "fluorescein-molybdenum, nominal"
@@ -69,7 +69,9 @@ class World:
 
     def study(self, name, tables, **changes):
         """Run another study with some tables changed."""
-        known = {table: self.inputs[table] for table in analyses.needs(name) if table in self.inputs}
+        known = {
+            table: self.inputs[table] for table in analyses.needs(name) if table in self.inputs
+        }
         return dict(self.run_study(name, known | tables, **changes))
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from tests.study.ledgers.test_claims import CLAIMS, claim, numbers, residuals
+from tests.study.judge.test_claims import CLAIMS, claim, numbers, residuals
 
 from study.judge import judge, verdicts
 from study.judge.judging import judged

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from study.claims.claim import NUMBER_COLUMNS
 from study.declared.parameters import build
 from study.judge import COLUMNS, LedgerError, judge, verdicts
 from study.judge.criteria import Claim, ClaimsError
@@ -13,7 +14,6 @@ from study.judge.digitised import DigitisedCriteria, digitised_rows
 from study.judge.independent import AGREES, DISAGREES, SPLIT, agreements, independent
 from study.judge.judging import RESULT_COLUMNS
 from study.judge.words import agreement
-from study.claims.claim import NUMBER_COLUMNS
 
 
 def claim(**changes):

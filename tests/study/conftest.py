@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-
 import pandas as pd
 import pytest
-from tests.shared import ROOT
 
 import study
-from study.declared.documents import load
-from study.figures.registry import filled, registry
-from study.judge.criteria import read_claims
+from study import analyses
+from study.figures.style import Sheet, context
+from study.judge.criteria import declared_claims
 
 
 @pytest.fixture(scope="session")
 def claims(settings):
-    return read_claims(ROOT / "config/claims.yaml", settings.branches["claim_numbers"])
+    return declared_claims(settings.branches["claim_numbers"])
 
 
 @pytest.fixture(scope="session")
@@ -60,16 +57,23 @@ def admitted(calibration, settings):
 
 @pytest.fixture(scope="session")
 def figures(settings):
-    return registry(filled(load(ROOT / "config/figures.yaml"), settings.branches, settings.pairs))
+    """All figures with their words filled in."""
+    return {
+        name: figure.filled(settings.branches[figure.analysis], settings.pairs)
+        for name, figure in analyses.figures().items()
+    }
 
 
 @pytest.fixture(scope="session")
-def draw(figures):
+def draw(figures, settings):
     """Return a function that draws a figure; saving and reading it are tested elsewhere."""
 
     def drawn(name, tables):
-        spec = figures[name]
-        function = getattr(import_module(spec.module), spec.function)
-        return function({key: tables[key] for key in spec.data}, spec)
+        figure = figures[name]
+        branch = settings.branches[figure.analysis]
+        with context():
+            sheet = Sheet(figure, {k: tables[k] for k in figure.data}, branch, settings.pairs)
+            figure.draw(sheet)
+        return sheet.figure
 
     return drawn

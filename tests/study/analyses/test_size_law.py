@@ -9,8 +9,8 @@ from scipy.optimize import curve_fit
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
-from study.declared.parameters import build
 from study.analyses.size_law.compute import Params, error_of_one, exponents
+from study.declared.parameters import build
 
 
 @pytest.fixture

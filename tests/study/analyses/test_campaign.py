@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.declared.parameters import build
 from study.analyses.campaign import compute as study
 from study.analyses.campaign.compute import FATES
+from study.declared.parameters import build
 from study.tables import NotComputedError, computed, parse_table
 
 QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")

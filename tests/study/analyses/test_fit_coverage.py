@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from microimpact import capture_velocity, restitution, simulate
-from study.declared.parameters import build
 from study.analyses.fit_coverage.compute import (
     PREDICTED,
     TRIED,
@@ -19,6 +18,7 @@ from study.analyses.fit_coverage.compute import (
     true_contact,
     true_curve,
 )
+from study.declared.parameters import build
 from study.tables import parse_table
 
 FEW = {"sets": 60, "lowest_speeds_in_v_c": [1.05, 1.5]}

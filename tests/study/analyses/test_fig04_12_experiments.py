@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from study.declared.parameters import build
 from study.analyses.campaign import compute as campaign
+from study.declared.parameters import build
 from study.tables import parse_table
 
 
@@ -64,7 +64,9 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
     (one,) = params.experiments
     tables = campaign.conducted(params, one, *campaign.contact(params, one, inputs))
     if angle == 90:
-        found = run_study("fig04_05_normal_experiments", calibration, speeds_m_per_s=[speed], points=10)
+        found = run_study(
+            "fig04_05_normal_experiments", calibration, speeds_m_per_s=[speed], points=10
+        )
         rows = found["normal_experiments"].set_index("population")
     else:
         size = "silicon front"
