@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,6 +31,8 @@ from study.run.study import Made, settings_as_shipped
 from study.tables import Row, parse_table, read_table
 
 STUDY = "claim_numbers"
+# Tables that hold contacts.
+CONTACTS = ("calibration", "calibration_family", "posterior_contacts")
 UNCHANGED: Mapping[Any, Any] = {}
 
 
@@ -49,6 +51,7 @@ def judged(
     name: str,
     changes: Mapping[str, Any] = UNCHANGED,
     folder: Path | None = None,
+    contacts: Callable[[pd.DataFrame], pd.DataFrame] | None = None,
 ) -> Judged:
     """Compute and judge one claim, with the studies that it needs; nothing is written.
 
@@ -61,6 +64,8 @@ def judged(
     folder
         Results of the shipped configuration, from which tables are taken; without one, all are
         computed.
+    contacts
+        Makes other contacts of the tables `CONTACTS`.
 
     Raises
     ------
@@ -70,12 +75,14 @@ def judged(
     made = Made(STUDY, changes, folder)
     branch = made.settings.branches[STUDY]
     claim = declared_claims(branch)[name]
-    if folder and not changes:
+    if folder and not changes and not contacts:
         numbers, draws = (
             read_table(folder / f"tables/{table}.csv").query("claim == @name")
             for table in (STUDY, "claim_draws")
         )
     else:
+        if contacts:
+            made.update({table: contacts(made[table]) for table in CONTACTS})
         numbers, draws = _computed(claim, build(Params, branch), made)
     drawn = shares({name: claim}, draws, made["posterior_contacts"]) if len(draws) else {}
     ledger, results = verdicts({name: claim}, numbers, drawn)

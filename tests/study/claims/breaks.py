@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,13 +35,60 @@ from study.analyses.fig24_25_doe.factors import realistic_levels
 from study.analyses.mechanisms import compute as mechanisms
 from study.analyses.mechanisms import spore as spore_mechanism
 from study.analyses.mechanisms.shallow import adhesion_or_roughness, shallow_curves
-from study.contacts import calibrated_contact
+from study.contacts import DRAWN, calibrated_contact
+from study.declared.documents import load
 from study.declared.parameters import build
-from study.report.claim import with_contacts
+from study.report.claim import Judged, judged
+
+# Columns of tables that hold properties of contacts, by property.
+COLUMNS = {name: column for column, name in DRAWN.items()} | {"friction_basis": "friction_basis"}
 
 STEEL = ("steel-silicon, n = 0", "steel-silicon, n = 1")
 MOLYBDENUM = "fluorescein-molybdenum, nominal"
 FORMICA_SPORE = "lycopodium-formica"
+
+
+@dataclass(frozen=True)
+class Break:
+    """One changed input or misprinted equation, and the verdict that must then come out."""
+
+    change: str
+    expect: str = "not reproduced"
+    set: Mapping[str, Any] = field(default_factory=dict)
+    contacts: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def is_data(self) -> bool:
+        """Whether the change can be made without other code."""
+        return bool(self.set or self.contacts)
+
+
+def read_breaks() -> dict[str, Break]:
+    """Return the break of every claim, from the table beside this module."""
+    entries = load(Path(__file__).with_suffix(".yaml"))
+    return {name: Break(**entry) for name, entry in entries.items()}
+
+
+def judged_with(name: str, control: Break) -> Judged:
+    """Judge a claim with its break made, all tables computed."""
+    return judged(name, control.set, contacts=partial(with_contacts, changes=control.contacts))
+
+
+def with_contacts(table: pd.DataFrame, changes: Mapping[str, float | str]) -> pd.DataFrame:
+    """Multiply properties of the contacts of a table by factors, or replace their basis.
+
+    Contacts by a law without the property are left out.
+    """
+    table = table.copy()
+    for name, change in changes.items():
+        column = COLUMNS[name]
+        if column in table:
+            table = table[table[column].notna()].copy()
+            table[column] = change if isinstance(change, str) else table[column] * change
+        elif "role" in table and not isinstance(change, str):
+            rows = (table["role"] == "parameter") & (table["quantity"] == name)
+            table.loc[rows, "value"] *= change
+    return table
 
 
 @dataclass

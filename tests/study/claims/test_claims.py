@@ -7,27 +7,26 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from tests.shared import ROOT, tables_made_once
-from tests.study.claims.breaks import BREAKS, STEEL, World
+from tests.shared import tables_made_once
+from tests.study.claims.breaks import BREAKS, STEEL, World, judged_with, read_breaks
 
 from study import analyses
-from study.analyses.claim_numbers import CLAIMS, numbers_of
+from study.analyses import claim_numbers
+from study.analyses.claim_numbers import numbers_of
 from study.analyses.fig24_25_doe.factors import elasticities
-from study.claims.claim import NUMBER_COLUMNS, claim_numbers
+from study.claims.claim import CLAIMS, NUMBER_COLUMNS, ascending
 from study.contacts import DRAWN, calibrated_contact
 from study.declared.parameters import build
 from study.declared.references import merged
 from study.judge import verdicts
-from study.judge.criteria import read_claims
 from study.judge.shares import shares
-from study.report.claim import judged
 from study.tables import NOT_COMPUTED, parse_table
 
 # All rest on tables that take long to make.
 pytestmark = pytest.mark.slow
 
-SHIPPED = read_claims(ROOT / "config/claims.yaml")
-DATA = [name for name, claim in SHIPPED.items() if claim.break_ and claim.break_.is_data]
+CONTROLS = read_breaks()
+DATA = [name for name, control in CONTROLS.items() if control.is_data]
 # Breaks whose verdict is found without them already, so that they show nothing.
 MUTE = {"C84": "no cause tried turns the rise below 15 deg, of three error bars, into a fall"}
 # So small that verdicts may be others: only what cannot be computed is looked at.
@@ -103,7 +102,7 @@ def verdict_of(claims, name, numbers):
 
 def test_every_number_of_every_testable_claim_is_there(claims, numbers, ledger):
     assert list(numbers.columns) == list(NUMBER_COLUMNS)
-    assert set(CLAIMS) == {name for name, claim in claims.items() if claim.testable}
+    assert ascending() == [name for name, claim in claims.items() if claim.testable]
     assert (numbers["problem"] == "").all()
     # verdicts refuses a number that is missing, not finite or twice there
     assert list(ledger.index) == list(claims)
@@ -150,28 +149,28 @@ def test_a_draw_that_is_a_calibrated_contact_has_its_numbers(branch, inputs, num
 
 
 def test_every_claim_has_a_break():
-    assert sorted([*DATA, *BREAKS]) == sorted(CLAIMS)
+    assert sorted([*DATA, *BREAKS]) == sorted(ascending())
 
 
 @pytest.mark.parametrize("name", [name for name in DATA if name not in MUTE])
 def test_the_change_declared_with_a_claim_changes_its_verdict(name, claims, ledger):
-    control = claims[name].break_
+    control = CONTROLS[name]
     assert ledger["verdict"][name] != control.expect
-    assert judged(name, control.set, control.contacts).ledger["verdict"] == control.expect
+    assert judged_with(name, control).ledger["verdict"] == control.expect
 
 
 @pytest.mark.parametrize("name", [name for name in BREAKS if name not in MUTE])
 def test_a_wrong_form_changes_the_verdict(name, claims, numbers, world):
-    expected = claims[name].break_.expect
+    expected = CONTROLS[name].expect
     assert verdict_of(claims, name, numbers) != expected
     assert verdict_of(claims, name, BREAKS[name](name, world)) == expected
 
 
 @pytest.mark.parametrize("name", MUTE)
 def test_a_mute_break_finds_the_verdict_that_stands_already(name, claims, numbers, world):
-    control = claims[name].break_
+    control = CONTROLS[name]
     if control.is_data:
-        broken = judged(name, control.set, control.contacts).numbers
+        broken = judged_with(name, control).numbers
     else:
         broken = BREAKS[name](name, world)
     assert verdict_of(claims, name, numbers) == control.expect
