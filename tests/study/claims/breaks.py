@@ -22,19 +22,13 @@ from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.roughness import measured_restitution
 from study import analyses
 from study.analyses.calibration import compute as calibration_study
-from study.analyses.claim_numbers import (
-    Params,
-    dynamics,
-    numbers_of,
-    oblique,
-    rigid_body,
-    roughness,
-)
+from study.analyses.claim_numbers import Params, numbers_of
 from study.analyses.fig24_25_doe import compute as doe
 from study.analyses.fig24_25_doe.factors import realistic_levels
 from study.analyses.mechanisms import compute as mechanisms
 from study.analyses.mechanisms import spore as spore_mechanism
 from study.analyses.mechanisms.shallow import adhesion_or_roughness, shallow_curves
+from study.claims import dynamics, oblique, rigid_body, roughness
 from study.contacts import DRAWN, calibrated_contact
 from study.declared.documents import load
 from study.declared.parameters import build

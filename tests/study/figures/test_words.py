@@ -6,17 +6,17 @@ import re
 from collections.abc import Mapping
 
 import pytest
-from study.figures.registry import filled, registry
-from tests.shared import ROOT, settings_as_shipped
+from tests.shared import settings_as_shipped
+from tests.study.figures.test_pictures import data_of, drawn, texts
 
-from study.declared.documents import load
+from study import analyses
+from study.figures.style import context
 
-ENTRIES = load(ROOT / "config/figures.yaml")
+FIGURES = analyses.figures()
 SETTINGS = settings_as_shipped()
 MATERIALS = "steel|silicon|mirror|Formica|Lycopodium|spore|fluorescein|molybdenum|mica|latex|silica"
-# Studies that are of one pair by their nature.
+# Analyses that are of one pair by their nature.
 OF_ONE_PAIR = {"particle_separation", "oblique_data", "inference"}
-FIGURES = [name for name, entry in ENTRIES.items() if entry["study"] not in OF_ONE_PAIR]
 
 
 def renamed(node):
@@ -30,28 +30,21 @@ def renamed(node):
 
 CASES = {name: f"case {number}" for number, name in enumerate(SETTINGS.pairs)}
 PAIRS = dict.fromkeys((*SETTINGS.pairs, *CASES.values()), ("glass", "glass"))
-BRANCHES = {study: renamed(branch) for study, branch in SETTINGS.branches.items()}
+BRANCHES = {name: renamed(branch) for name, branch in SETTINGS.branches.items()}
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize(
+    "name", [name for name, figure in FIGURES.items() if figure.analysis not in OF_ONE_PAIR]
+)
 def test_words_of_another_pair_leave_none_of_the_old(name):
-    entry = ENTRIES[name]
-    spec = registry(filled({name: entry}, BRANCHES, PAIRS, {entry["study"]: "case"}))[name]
-    words = [spec.title, spec.caption, spec.method, *spec.tables.values()]
-    for panel in spec.panels.values():
-        words += [panel.title, panel.legend, panel.x_label, panel.y_label]
-        words += [series.label for series in panel.series.values()]
-    old = [text for text in words if re.search(MATERIALS, text, re.IGNORECASE)]
+    branch = BRANCHES[FIGURES[name].analysis]
+    figure = FIGURES[name].filled(branch, PAIRS, changed=True)
+    words = [figure.title, figure.caption, figure.method]
+    words += [*figure.tables.values(), *figure.panels.values()]
+    with context():
+        sheet = drawn(figure, branch, PAIRS)
+        sheet.draw_without_rendering()
+    words += [text.get_text() for text, _ in texts(sheet, 0.0)]
+    of_data = {str(name) for table in data_of(figure) for name in table["series"]}
+    old = [t for t in words if re.search(MATERIALS, t, re.IGNORECASE) and t not in of_data]
     assert not old
-
-
-def test_what_only_holds_as_shipped_goes_with_the_inputs():
-    words = {"finding": "They meet at [[a]].", "method": "By fits.", "as_shipped": "Twice [[a]]."}
-    entry = {"f": {"study": "s", "caption": "Curves.", "contact": "By hand.", **words}}
-    shipped = filled(entry, {"s": {"a": 1}})["f"]
-    assert (shipped["finding"], shipped["method"]) == (
-        "They meet at 1.",
-        "By fits. Twice 1. By hand.",
-    )
-    changed = filled(entry, {"s": {}}, {}, {"s": "a"})["f"]
-    assert (changed["finding"], changed["method"]) == ("", "By fits.")
