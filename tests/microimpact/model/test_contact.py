@@ -18,7 +18,7 @@ from microimpact.model.contact import (
     ring_force_from_work,
     work_from_ring_force,
 )
-from microimpact.model.contact_laws import Hysteresis
+from microimpact.model.contact_laws import JKR, Hysteresis
 from microimpact.model.dynamics.impact import simulate
 
 # Of SI numbers, which may be small: a share alone.
@@ -75,6 +75,17 @@ class TestElasticity:
         assert contact.hertz_radius == approx(20e-6, rel=1e-15)
         assert Contact(**fields).hertz_radius == approx(31e-6, rel=1e-15)
 
+    def test_two_spheres_by_hand(self, fields):
+        """Radii of 30 and 90 um; the second has 27 2330/8000 times the mass of the first."""
+        contact = Contact(**fields | {"diameter": 60e-6, "partner_diameter": 180e-6})
+        first, second = (rho * 4 / 3 * math.pi * r**3 for rho, r in ((8000, 3e-5), (2330, 9e-5)))
+        assert contact.hertz_radius == approx(22.5e-6, rel=1e-14)
+        assert contact.mass == approx(first * second / (first + second), rel=1e-14)
+        assert contact.mass_share == approx(second / (first + second), rel=1e-14)
+        # Equal spheres have half the radius and half the mass.
+        twins = Contact(**fields | {"surface": fields["particle"], "partner_diameter": 62e-6})
+        assert (twins.hertz_radius, twins.mass_share) == approx((15.5e-6, 0.5), rel=1e-14)
+
     def test_mass_by_hand(self, fields):
         expected = 8000 * math.pi * 62e-6**3 / 6
         assert Contact(**fields).mass == approx(expected, rel=1e-14)
@@ -106,6 +117,12 @@ class TestAdhesion:
         # the ring model needs three times JKR's approach for it
         jkr_approach = jkr**2 / (3 * contact.hertz_radius)
         assert contact.equilibrium_compression == approx(3 * jkr_approach, rel=1e-14)
+
+    def test_the_pull_off_force_is_that_of_separation(self, fields):
+        by_jkr = Contact(**fields, law=JKR())
+        assert by_jkr.pull_off_force == approx(1.5 * math.pi * 0.5 * 31e-6, rel=1e-14)
+        hysteresis = Contact(**fields, law=Hysteresis(unloading_work=2.0))
+        assert hysteresis.pull_off_force == approx(1.5 * math.pi * 2.0 * 31e-6, rel=1e-14)
 
     def test_hertz_and_ring_force_balance_there(self, fields):
         contact = Contact(**fields)

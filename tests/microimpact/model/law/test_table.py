@@ -251,6 +251,14 @@ def test_threads_are_a_whole_number(contact, threads):
         tabulate(contact, 0.02, 5.0).simulate(1.0, threads=threads)
 
 
+def test_rounding_is_part_of_the_error_of_what_the_table_gives(contact):
+    limit = float(capture_velocity(contact))
+    excess = np.array([-0.01, 0.004, 0.3])
+    law = tabulate(contact, 0.5 * limit, 2.0 * limit)
+    error = law.simulate(limit * (1.0 + excess)).interpolation_error
+    assert error - law.error == pytest.approx(2e-14 / np.abs(excess), rel=1e-3)
+
+
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_the_stated_error_grows_towards_capture_as_rounding_does(contact, side):
     limit = float(capture_velocity(contact))
