@@ -19,8 +19,13 @@ from microimpact.model.choices import STIFFNESS_MODELS
 from microimpact.model.contact_laws import RING_FORCE, ContactLaw, Hysteresis, contact_law
 
 ADHESIONS = ("work_of_adhesion", "ring_force")
-# Of all numbers but 0, in SI units: their products stay within double precision.
+LOSSES = ("hertz_damping", "adhesion_damping", "friction", "adhesion_rate_exponent")
+# Of all numbers but 0, in SI units, so that their products stay within double precision; some may be
+# as small as they like.
 SMALLEST, LARGEST = 1e-30, 1e30
+MAY_VANISH = {
+    *(*ADHESIONS, *LOSSES, "particle.poissons_ratio", "surface.poissons_ratio"),
+}
 # Eq. (31) with the static equilibrium radius a_c^3 = 6 pi w_A r^2 / K is a constant share of K.
 REDUCED_STIFFNESS_SHARE = 1.0 - 2.5 * (5.0 / 9.0) ** 1.5 / 6.0
 
@@ -67,12 +72,12 @@ def work_from_ring_force(ring_force: Real, radius: Real, stiffness: Real) -> Rea
     return np.sqrt(2.0 * np.pi * np.power(ring_force, 3) / (9.0 * stiffness * radius))
 
 
-def _within_reach(value: Any) -> bool:
-    """Whether a number, or all of an array, is 0, infinite or from `SMALLEST` to `LARGEST`."""
+def _within_reach(value: Any, least: float) -> bool:
+    """Whether a number, or all of an array, is 0, infinite or from ``least`` to `LARGEST`."""
     if isinstance(value, float | bool):
-        return SMALLEST <= abs(value) <= LARGEST or value in {0.0, math.inf}
+        return least <= abs(value) <= LARGEST or value in {0.0, math.inf}
     size = np.abs(value)
-    return bool(np.all((size >= SMALLEST) & (size <= LARGEST) | (size == 0.0) | np.isinf(size)))
+    return bool(np.all((size >= least) & (size <= LARGEST) | (size == 0.0) | np.isinf(size)))
 
 
 def resized(contact: Contact, diameter: Real | None = None, **sizes: Real) -> Contact:
@@ -273,13 +278,7 @@ class Contact(Readable):
 
     def _check_numbers(self, adhesion_input: str) -> None:
         self._check("diameter", POSITIVE)
-        for name in (
-            adhesion_input,
-            "hertz_damping",
-            "adhesion_damping",
-            "friction",
-            "adhesion_rate_exponent",
-        ):
+        for name in (adhesion_input, *LOSSES):
             self._check(name, NON_NEGATIVE)
         if self.reference_velocity is not None:
             self._check("reference_velocity", POSITIVE)
@@ -299,9 +298,10 @@ class Contact(Readable):
         numbers = self._arrays()
         self._set("shape", common_shape(numbers))
         for name, value in numbers.items():
-            if not _within_reach(value):
+            least = 0.0 if name in MAY_VANISH else SMALLEST
+            if not _within_reach(value, least):
                 raise ValueError(
-                    f"{name} must be from {SMALLEST:g} to {LARGEST:g} in SI units, got {value}"
+                    f"{name} must be from {least:g} to {LARGEST:g} in SI units, got {value}"
                 )
 
     @property
