@@ -20,12 +20,10 @@ from microimpact.model.contact_laws import RING_FORCE, ContactLaw, Hysteresis, c
 
 ADHESIONS = ("work_of_adhesion", "ring_force")
 LOSSES = ("hertz_damping", "adhesion_damping", "friction", "adhesion_rate_exponent")
-# Of all numbers but 0, in SI units, so that their products stay within double precision; some may be
-# as small as they like.
+# Of all numbers but 0, in SI units: so their products stay within double precision.
 SMALLEST, LARGEST = 1e-30, 1e30
-MAY_VANISH = {
-    *(*ADHESIONS, *LOSSES, "particle.poissons_ratio", "surface.poissons_ratio"),
-}
+# These may also be as small as they like.
+MAY_VANISH = {*ADHESIONS, *LOSSES, "particle.poissons_ratio", "surface.poissons_ratio"}
 # Eq. (31) with the static equilibrium radius a_c^3 = 6 pi w_A r^2 / K is a constant share of K.
 REDUCED_STIFFNESS_SHARE = 1.0 - 2.5 * (5.0 / 9.0) ** 1.5 / 6.0
 
@@ -72,12 +70,14 @@ def work_from_ring_force(ring_force: Real, radius: Real, stiffness: Real) -> Rea
     return np.sqrt(2.0 * np.pi * np.power(ring_force, 3) / (9.0 * stiffness * radius))
 
 
-def _within_reach(value: Any, least: float) -> bool:
-    """Whether a number, or all of an array, is 0, infinite or from ``least`` to `LARGEST`."""
+def _beyond(value: Any, least: float) -> float | None:
+    """First number of a value that is neither 0, infinite nor from ``least`` to `LARGEST`."""
     if isinstance(value, float | bool):
-        return least <= abs(value) <= LARGEST or value in {0.0, math.inf}
+        within = least <= abs(value) <= LARGEST or value in {0.0, math.inf}
+        return None if within else value
     size = np.abs(value)
-    return bool(np.all((size >= least) & (size <= LARGEST) | (size == 0.0) | np.isinf(size)))
+    beyond = ((size < least) & (size > 0.0)) | ((size > LARGEST) & (size < math.inf))
+    return float(np.extract(beyond, value)[0]) if np.any(beyond) else None
 
 
 def resized(contact: Contact, diameter: Real | None = None, **sizes: Real) -> Contact:
@@ -299,9 +299,9 @@ class Contact(Readable):
         self._set("shape", common_shape(numbers))
         for name, value in numbers.items():
             least = 0.0 if name in MAY_VANISH else SMALLEST
-            if not _within_reach(value, least):
+            if (wrong := _beyond(value, least)) is not None:
                 raise ValueError(
-                    f"{name} must be from {least:g} to {LARGEST:g} in SI units, got {value}"
+                    f"{name} must be from {least:g} to {LARGEST:g} in SI units, got {wrong:g}"
                 )
 
     @property

@@ -333,7 +333,11 @@ NO_REFERENCE = "reference_velocity is needed"
             "^surface_radius must be a real number",
         ),
         *(
-            ({name: value}, ValueError, f"^{name} must be from .* to 1e\\+30 in SI units, got")
+            (
+                {name: value},
+                ValueError,
+                f"^{name} must be from .* to 1e\\+30 in SI units, got [^\\[]*$",
+            )
             for name, value in (
                 *(("diameter", 5e-324), ("partner_diameter", 1e308), ("surface_radius", 1e-320)),
                 *(("work_of_adhesion", [0.1, 1e200]), ("friction", 1e31)),
