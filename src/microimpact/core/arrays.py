@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
+from numbers import Integral
 from typing import Any, ClassVar, Protocol, Self, cast
 
 import numpy as np
@@ -107,7 +108,8 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
     except ValueError:
         array = np.asarray(None)
     if array.dtype.kind == "O" and all(type(number) is int for number in array.flat):
-        array = array.astype(np.float64)  # whole numbers beyond 64 bits
+        # Whole numbers beyond 64 bits, or even beyond double precision.
+        array = np.array([_as_float(number) for number in array.flat]).reshape(array.shape)
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
     with np.errstate(over="ignore"):
@@ -124,6 +126,28 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
         return float(array)
     array.setflags(write=False)
     return array
+
+
+def _as_float(number: int) -> float:
+    try:
+        return float(number)
+    except OverflowError:
+        return math.inf
+
+
+def whole(name: str, value: object, least: int) -> int:
+    """Return ``value`` as an integer.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no whole number, or below ``least``.
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        raise TypeError(f"{name} must be a whole number, got {value!r}")
+    if value < least:
+        raise ValueError(f"{name} must be at least {least}, got {value}")
+    return int(value)
 
 
 # Units of arguments and outcomes that have one; angles are degrees, as everywhere.

@@ -78,6 +78,8 @@ def _rows(record: Readable, above: str = "") -> Iterator[tuple[str, str, str]]:
     """Names, values and units of the fields of a record and of those in it."""
     for name, value in record.shown().items():
         if isinstance(value, Readable):
+            if isinstance(kind := getattr(type(value), "name", None), str):
+                yield f"{above}{name}", kind, ""
             yield from _rows(value, f"{above}{name}.")
         else:
             unit = UNIT_OF.get(name, UNIT_OF.get(f"law.{name}", ""))

@@ -20,9 +20,6 @@ STIFFNESS_MODELS = ("hertz", "reduced")
 # Quantiles of draws: the ends and the middle of a 95 % interval, the level of all intervals here.
 INTERVAL = (0.025, 0.5, 0.975)
 # Forms in which a rebound law is written.
-FORMATS = (
-    *("c", "csv", "npz", "fluent", "openfoam", "acusolve"),
-    *("lammps", "lammps-jkr", "lethe", "yade"),
-)
+FORMATS = ("c", "csv", "fluent", "openfoam", "lammps-jkr")
 # Those of a wall, which a second sphere is not.
-WALL_FORMATS = ("fluent", "openfoam", "acusolve", "lammps", "lammps-jkr", "lethe")
+WALL_FORMATS = ("fluent", "openfoam", "lammps-jkr")

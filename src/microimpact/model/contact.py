@@ -18,6 +18,12 @@ from microimpact.core.readable import Readable
 from microimpact.model.choices import STIFFNESS_MODELS
 from microimpact.model.contact_laws import RING_FORCE, ContactLaw, Hysteresis, contact_law
 
+ADHESIONS = ("work_of_adhesion", "ring_force")
+LOSSES = ("hertz_damping", "adhesion_damping", "friction", "adhesion_rate_exponent")
+# Of all numbers but 0, in SI units: so their products stay within double precision.
+SMALLEST, LARGEST = 1e-30, 1e30
+# These may also be as small as they like.
+MAY_VANISH = {*ADHESIONS, *LOSSES, "particle.poissons_ratio", "surface.poissons_ratio"}
 # Eq. (31) with the static equilibrium radius a_c^3 = 6 pi w_A r^2 / K is a constant share of K.
 REDUCED_STIFFNESS_SHARE = 1.0 - 2.5 * (5.0 / 9.0) ** 1.5 / 6.0
 
@@ -62,6 +68,16 @@ def work_from_ring_force(ring_force: Real, radius: Real, stiffness: Real) -> Rea
         Hertz stiffness K of Eq. (20), Pa.
     """
     return np.sqrt(2.0 * np.pi * np.power(ring_force, 3) / (9.0 * stiffness * radius))
+
+
+def _beyond(value: Any, least: float) -> float | None:
+    """First number of a value that is neither 0, infinite nor from ``least`` to `LARGEST`."""
+    if isinstance(value, float | bool):
+        within = least <= abs(value) <= LARGEST or value in {0.0, math.inf}
+        return None if within else value
+    size = np.abs(value)
+    beyond = ((size < least) & (size > 0.0)) | ((size > LARGEST) & (size < math.inf))
+    return float(np.extract(beyond, value)[0]) if np.any(beyond) else None
 
 
 def resized(contact: Contact, diameter: Real | None = None, **sizes: Real) -> Contact:
@@ -181,6 +197,8 @@ class Contact(Readable):
     partner_diameter: Real = math.inf
     damped_attachment: bool = False
     law: ContactLaw | None = None
+    # Adhesions of the contact that this one is made of by `replace`, the one given first.
+    _passed_on: tuple[tuple[str, Real | None], ...] = field(default=(), repr=False, compare=False)
     adhesion_input: str = field(init=False, default="", repr=False)
     shape: tuple[int, ...] = field(init=False, default=(), repr=False)
     hertz_stiffness: Real = field(init=False, default=math.nan, repr=False, compare=False)
@@ -191,23 +209,37 @@ class Contact(Readable):
         for name in ("particle", "surface"):
             if not isinstance(getattr(self, name), Material):
                 raise TypeError(f"{name} must be a Material, got {getattr(self, name)!r}")
-        if (self.work_of_adhesion is None) == (self.ring_force is None):
-            number = "neither" if self.ring_force is None else "both"
-            raise ValueError(f"give either work_of_adhesion or ring_force, got {number}")
+        adhesion_input = self._choose_adhesion()
         if not isinstance(self.damped_attachment, bool):
             raise TypeError(
                 f"damped_attachment must be True or False, got {self.damped_attachment!r}"
             )
         choice("stiffness_model", self.stiffness_model, STIFFNESS_MODELS)
         self._set("law", contact_law(self.law))
-        adhesion_input = "ring_force" if self.work_of_adhesion is None else "work_of_adhesion"
-        self._set("adhesion_input", adhesion_input)
         self._check_numbers(adhesion_input)
         if self.law is not None:
             self._check_law(self.law, adhesion_input)
-        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            self._resolve_adhesion()
+        self._resolve_adhesion()
         warn_caller(self, depth=3)
+
+    def _choose_adhesion(self) -> str:
+        """Return which adhesion is given: of both, as `dataclasses.replace` passes on, the new one.
+
+        Raises ValueError if that is neither, or both.
+        """
+        values = {name: getattr(self, name) for name in ADHESIONS}
+        given = [name for name, value in values.items() if value is not None]
+        if len(given) > 1 and self._passed_on:
+            before = dict(self._passed_on)
+            changed = [name for name in given if values[name] is not before[name]]
+            given = changed or [self._passed_on[0][0]]
+        if len(given) != 1:
+            number = "both" if given else "neither"
+            raise ValueError(f"give either {' or '.join(ADHESIONS)}, got {number}")
+        for name in ADHESIONS:
+            self._set(name, values[name] if name == given[0] else None)
+        self._set("adhesion_input", given[0])
+        return given[0]
 
     def _check_law(self, law: ContactLaw, adhesion_input: str) -> None:
         """Refuse parameters of the ring force, and works of adhesion that would gain energy."""
@@ -238,25 +270,15 @@ class Contact(Readable):
             self._set("work_of_adhesion", work_from_ring_force(self.ring_force, radius, stiffness))
         elif self.work_of_adhesion is not None:
             self._set("ring_force", ring_force_from_work(self.work_of_adhesion, radius, stiffness))
+        order = sorted(ADHESIONS, key=lambda name: name != self.adhesion_input)
+        self._set("_passed_on", tuple((name, getattr(self, name)) for name in order))
         hertz = np.sqrt(radius) * self.stiffness
         scales = (self.mass, self.velocity_scale, hertz, self.equilibrium_compression)
         self._set("scales", scales if self.shape else tuple(map(float, scales)))
-        sums = np.array([np.sum(scale) for scale in scales[:3]])
-        if not (np.all(np.isfinite(sums)) and np.all(np.asarray(self.mass) > 0.0)):
-            raise ValueError(
-                "diameter, density, stiffness and adhesion are beyond double precision together: "
-                f"mass {self.mass} kg, velocity scale {self.velocity_scale} m/s"
-            )
 
     def _check_numbers(self, adhesion_input: str) -> None:
         self._check("diameter", POSITIVE)
-        for name in (
-            adhesion_input,
-            "hertz_damping",
-            "adhesion_damping",
-            "friction",
-            "adhesion_rate_exponent",
-        ):
+        for name in (adhesion_input, *LOSSES):
             self._check(name, NON_NEGATIVE)
         if self.reference_velocity is not None:
             self._check("reference_velocity", POSITIVE)
@@ -267,13 +289,20 @@ class Contact(Readable):
         curved = [
             name
             for name in ("surface_radius", "partner_diameter")
-            if not (np.ndim(value := getattr(self, name)) == 0 and value == math.inf)
+            if not (isinstance(value := getattr(self, name), float) and value == math.inf)
         ]
         if len(curved) > 1:
             raise ValueError(f"give either {' or '.join(curved)}, got both")
         for name in curved:
             self._check(name, POSITIVE)
-        self._set("shape", common_shape(self._arrays()))
+        numbers = self._arrays()
+        self._set("shape", common_shape(numbers))
+        for name, value in numbers.items():
+            least = 0.0 if name in MAY_VANISH else SMALLEST
+            if (wrong := _beyond(value, least)) is not None:
+                raise ValueError(
+                    f"{name} must be from {least:g} to {LARGEST:g} in SI units, got {wrong:g}"
+                )
 
     @property
     def extent(self) -> Real:
@@ -290,7 +319,8 @@ class Contact(Readable):
         named = {
             f.name: getattr(self, f.name)
             for f in fields(self)
-            if f.init and f.name not in {"particle", "surface", "stiffness_model", "law"}
+            if f.init
+            and f.name not in {"particle", "surface", "stiffness_model", "law", "_passed_on"}
         }
         if self.law is not None:
             named |= {f"law.{name}": value for name, value in self.law.parameters.items()}
@@ -301,17 +331,15 @@ class Contact(Readable):
 
     def shown(self) -> dict[str, Any]:
         """Return the fields that were given, and the friction in any case."""
-        derived = {"work_of_adhesion", "ring_force"} - {self.adhesion_input}
+        derived = set(ADHESIONS) - {self.adhesion_input}
         values = Readable.shown(self) | {"friction": self.friction}
         return {name: value for name, value in values.items() if name not in derived}
 
     def replace(self, **changes: Any) -> Contact:
         """Return a contact with some fields changed; the given adhesion input is kept."""
-        kept = {f.name: getattr(self, f.name) for f in fields(self) if f.init}
-        del kept["ring_force" if self.adhesion_input == "work_of_adhesion" else "work_of_adhesion"]
-        if {"work_of_adhesion", "ring_force"} & set(changes):
-            kept.pop(self.adhesion_input)
-        contact = Contact(**(kept | changes))
+        if set(ADHESIONS) & set(changes):
+            changes = dict.fromkeys(ADHESIONS) | changes
+        contact = replace(self, **changes)
         warn_caller({name: getattr(contact, name) for name in changes}, depth=2)
         return contact
 
@@ -338,7 +366,7 @@ class Contact(Readable):
             for name, value in records.items()
             if value is not None
         }
-        for name in {"work_of_adhesion", "ring_force"} - {self.adhesion_input}:
+        for name in set(ADHESIONS) - {self.adhesion_input}:
             changes.pop(name, None)
         return self.replace(**changes)
 
@@ -396,8 +424,10 @@ class Contact(Readable):
     @property
     def hertz_radius(self) -> Real:
         """Effective radius r of Eq. (22), m; the sphere's on a plane."""
-        curvature = 1.0 / np.asarray(self.surface_radius) + 2.0 / np.asarray(self.partner_diameter)
-        return 1.0 / (1.0 / self.radius + curvature)[()]
+        own, plane, partner = map(
+            np.asarray, (self.radius, self.surface_radius, self.partner_diameter)
+        )
+        return 1.0 / (1.0 / own + 1.0 / plane + 2.0 / partner)[()]
 
     @property
     def is_pair(self) -> bool:

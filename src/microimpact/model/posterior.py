@@ -15,14 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from numbers import Integral
 from typing import Any, Literal
 
 import numpy as np
 import scipy
 
 from microimpact.core import ensemble
-from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, Range
+from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, Range, whole
 from microimpact.core.nearest import nearest
 from microimpact.core.readable import Readable
 from microimpact.model.choices import INTERVAL
@@ -340,11 +339,8 @@ def _require_single(contact: Contact, draws: object, seed: object) -> None:
     """Raise TypeError or ValueError unless a contact is one, and numbers of draws are whole."""
     if contact.shape:
         raise ValueError(f"contact must be a single one, got one of shape {contact.shape}")
-    for name, value, least in (("draws", draws, 1), ("seed", seed, 0)):
-        if isinstance(value, bool) or not isinstance(value, Integral):
-            raise TypeError(f"{name} must be a whole number, got {value!r}")
-        if value < least:
-            raise ValueError(f"{name} must be at least {least}, got {value}")
+    whole("draws", draws, 1)
+    whole("seed", seed, 0)
 
 
 def _chain(

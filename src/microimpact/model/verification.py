@@ -14,15 +14,18 @@ from itertools import product
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, Range, checked, common_shape
 from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics import laws
+from microimpact.model.dynamics.impact import SPEED
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.reference import CASES
 
 TOLERANCE = 0.005
+# What is above 1 is a mistake to be named, what is above 2 no restitution.
+RESTITUTION = Range(lower=0.0, upper=2.0, lower_closed=True)
 
 # Where a JKR contact may close and break, in s^3/b, and works of adhesion, each with its mistake.
 STARTS = {4.0: "", 6.0: "the contact begins at zero force, not at zero overlap"}
@@ -67,7 +70,7 @@ class Verdict:
 
 
 def verify(
-    case: str, speed: FloatArray, restitution: FloatArray, tolerance: float = TOLERANCE
+    case: str, speed: Numbers, restitution: Numbers, tolerance: float = TOLERANCE
 ) -> Verdict:
     """Compare restitutions of another code with the reference.
 
@@ -76,21 +79,24 @@ def verify(
     case
         A name in `microimpact.model.reference.CASES`.
     speed, restitution
-        Normal speeds before impact, m/s, and e, 0 where the sphere stays; (n,).
+        Normal speeds before impact, m/s, and e, 0 where the sphere stays; numbers or (n,).
     tolerance
         Largest difference of e that counts as agreement.
 
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         If the case is unknown, or a number is no speed or no restitution.
     """
     if case not in CASES:
         raise ValueError(f"case {case!r} unknown{nearest(case, CASES)}")
-    if not np.all((speed > 0.0) & np.isfinite(speed)):
-        raise ValueError(f"case {case!r}: speeds must be finite and above 0, got {speed.min():g}")
-    if not np.all((restitution >= 0.0) & (restitution < 2.0)):
-        raise ValueError(f"case {case!r}: e must be from 0 to 2, got {restitution.min():g}")
+    speeds = checked(f"case {case!r}: speed", speed, SPEED)
+    ratios = checked(f"case {case!r}: e", restitution, RESTITUTION)
+    common_shape({"speed": speeds, "restitution": ratios})
+    speed, restitution = map(np.ravel, np.broadcast_arrays(speeds, ratios))
+    if not speed.size:
+        raise ValueError(f"case {case!r}: an impact at least, got none")
+    tolerance = float(checked("tolerance", tolerance, POSITIVE))
     contact = CASES[case].contact
     expected = normal_impact(contact, speed).coefficient_of_restitution
     off = restitution - expected
@@ -140,7 +146,7 @@ def _other_contacts(contact: Contact) -> Iterator[tuple[str, Contact]]:
     if contact.is_pair:
         yield NOT_REDUCED, contact.replace(partner_diameter=math.inf)
     else:
-        rigid = replace(contact.surface, name="rigid", youngs_modulus=1e300)
+        rigid = replace(contact.surface, name="rigid", youngs_modulus=1e30)
         yield RIGID_WALL, contact.replace(surface=rigid)
     if contact.law is None and np.any(work):
         # m v dv = -F (1 + c v) dn: adhesion drops out between two touches.

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
@@ -39,16 +40,42 @@ def fractional_factorial(generator: str) -> FloatArray:
     else:
         from pyDOE2 import fracfact
 
-    design: Any = np.asarray(fracfact(generator), dtype=np.float64)
-    free = [column for column, word in enumerate(generator.split()) if len(word) == 1]
+    reading = _read(generator)
+    free = [column for column, word in enumerate(reading) if word == (1, (column,))]
+    # The libraries name the free factors by the alphabet, whatever the letters here.
+    named = dict(zip(free, ascii_lowercase, strict=False))
+    spelt = ("-" * (sign < 0) + "".join(named[c] for c in columns) for sign, columns in reading)
+    design: Any = np.asarray(fracfact(" ".join(spelt)), dtype=np.float64)
     order = np.lexsort([design[:, column] for column in free])
     rows: FloatArray = design[order]
     return rows
 
 
+def _read(generator: str) -> list[tuple[int, tuple[int, ...]]]:
+    """Sign of every factor's word, and the places of the free factors of which it is the product.
+
+    Raises ValueError if a word is no product of letters, or a letter no factor of its own.
+    """
+    words = generator.split()
+    free: dict[str, int] = {}
+    for place, word in enumerate(words):
+        if len(word) == 1 and word.isalpha():
+            free.setdefault(word, place)
+    reading = []
+    for word in words:
+        body = word.removeprefix("-")
+        if not body.isalpha() or len(set(body)) != len(body):
+            raise ValueError(f"generator {generator!r}: {word!r} must be a product of letters")
+        if unknown := sorted(set(body) - set(free)):
+            detail = f"letters {', '.join(unknown)} are no factors of their own"
+            raise ValueError(f"generator {generator!r}: {detail}")
+        reading.append((-1 if word != body else 1, tuple(free[letter] for letter in body)))
+    return reading
+
+
 def full_factorial(factors: int) -> FloatArray:
     """Return all combinations of two levels, shape (2^factors, factors), in standard order."""
-    return fractional_factorial(" ".join("abcdefghijklmnopqrstuvwxyz"[:factors]))
+    return fractional_factorial(" ".join(ascii_lowercase[:factors]))
 
 
 def words(letters: str) -> list[str]:
@@ -79,30 +106,17 @@ def defining_relation(generator: str, letters: str) -> dict[str, int]:
         If the number of words is not that of the factors, a word repeats or misses a letter, or
         two factors could not be told apart (resolution below III).
     """
-    generator_words = generator.split()
-    if len(generator_words) != len(letters):
+    reading = _read(generator)
+    if len(reading) != len(letters):
         raise ValueError(
             f"generator {generator!r}: must have {len(letters)} words, one for each of"
-            f" {', '.join(letters)}, got {len(generator_words)}"
+            f" {', '.join(letters)}, got {len(reading)}"
         )
-    free: dict[str, str] = {}
-    independent: dict[str, int] = {}
-    for letter, word in zip(letters, generator_words, strict=True):
-        body = word.lstrip("+-")
-        if len(word) == 1 and word.isalpha() and word not in free:
-            free[word] = letter
-            continue
-        if not body.isalpha() or len(set(body)) != len(body):
-            raise ValueError(f"generator {generator!r}: {word!r} must be a product of letters")
-        independent[letter + body] = -1 if word.startswith("-") else 1
-    unknown = sorted({c for word in independent for c in word[1:] if c not in free})
-    if unknown:
-        detail = f"letters {', '.join(unknown)} are no factors of their own"
-        raise ValueError(f"generator {generator!r}: {detail}")
     relation = _group(
         {
-            product(word[0], "".join(free[c] for c in word[1:])): sign
-            for word, sign in independent.items()
+            product(letters[place], "".join(letters[c] for c in columns)): sign
+            for place, (sign, columns) in enumerate(reading)
+            if (sign, columns) != (1, (place,))
         }
     )
     shortest = min(relation, key=len, default=letters)

@@ -472,6 +472,10 @@ def test_calibrated_contacts_go_from_command_to_command(microimpact, answered, t
     assert re.search("median +95 % +unit", one)
     folder = tmp_path / "law"
     assert "best of 50" in microimpact("export", "--contact", str(file), "-o", str(folder)).stdout
+    sizes = ("--diameters-um", "62", "100", "--tolerance", "1e-3", "-o", str(folder))
+    exported = microimpact("export", "--contact", str(file), *sizes)
+    assert re.search(r"extrapolated to 100 um, .* by ring force", exported.stderr)
+    assert "to 62 um" not in exported.stderr
 
 
 def test_contacts_by_jkr_go_from_command_to_command(microimpact, answered, tmp_path):

@@ -11,6 +11,7 @@ import pytest
 from microimpact import Contact, Material, materials, simulate, tabulate, trajectory
 from microimpact.core.extras import optional
 from microimpact.core.readable import precise
+from microimpact.model.contact_laws import JKR
 
 GLASS = {"youngs_modulus": 70e9, "poissons_ratio": 0.2, "density": 2500.0}
 BODIES = {"particle": materials["glass"], "surface": materials["silicon"]}
@@ -30,6 +31,12 @@ def test_a_record_prints_plain_numbers_with_units():
     assert not any("np." in text(x) for x in (impact, CONTACT) for text in (str, repr))
     assert eval(repr(CONTACT), {"Contact": Contact, "Material": Material}) == CONTACT
     assert impact._repr_html_() == f"<pre>{impact}</pre>"
+
+
+def test_another_law_of_the_force_is_named():
+    assert ["law", "jkr"] in rows(CONTACT.by_law(JKR(), 0.1))
+    lossy = rows(CONTACT.by_law(JKR(viscous_time=1e-9), 0.1))
+    assert lossy[-3:-1] == [["law", "jkr"], ["law.viscous_time", "1e-09", "s"]]
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,13 @@
 """Release and fall, and the interval of an experiment's mean."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import constants
 from tests.shared import STILL, USUAL
 
-from microimpact.lab.dispenser import NO_SPIN, InitialSpin, drop_height
+from microimpact.lab.dispenser import NO_SPIN, InitialSpin, drop_height, paths
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.reduction import mean_interval
 from microimpact.statistics.distributions import Constant, TruncatedNormal, generator
@@ -48,6 +50,14 @@ def test_drop_height_is_that_of_free_fall():
     assert drop_height(np.sqrt(2 * constants.g * 0.01), STILL) == pytest.approx(0.01, rel=1e-12)
     with pytest.raises(ValueError, match=r"above the mean speed at the needle, 0.12 m/s, got 0.1"):
         drop_height(0.1, USUAL)
+
+
+def test_particles_drift_for_as_long_as_they_fall():
+    """From the start that their speed at the target has, h = V t - g t^2/2 with h = 10 cm."""
+    fast = replace(USUAL, exit_speed_m_per_s=1.0, lateral_position_mm=0.0)
+    position, velocity, speed = paths(100, generator(3), angle=90.0, height=0.1, dispenser=fast)
+    time = position[:, 1] / velocity[:, 1]
+    np.testing.assert_allclose(speed * time - 0.5 * constants.g * time**2, 0.1, rtol=1e-9)
 
 
 def test_lateral_spread_is_seen_as_declared():

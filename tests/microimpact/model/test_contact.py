@@ -1,6 +1,8 @@
 """The contact: Eqs. (20)-(24), (30), (31), its scales, and its construction."""
 
+import dataclasses
 import math
+import warnings
 from functools import partial
 
 import numpy as np
@@ -16,6 +18,7 @@ from microimpact.model.contact import (
     ring_force_from_work,
     work_from_ring_force,
 )
+from microimpact.model.contact_laws import JKR, Hysteresis
 from microimpact.model.dynamics.impact import simulate
 
 # Of SI numbers, which may be small: a share alone.
@@ -61,7 +64,7 @@ class TestElasticity:
         assert printed(*kpa) / printed(steel, silicon) != approx(1e-3, rel=0.5)
 
     def test_stiffness_is_that_of_the_softer_body_on_a_rigid_one(self, steel):
-        rigid = Material(name="rigid", youngs_modulus=1e300, poissons_ratio=0.3, density=1.0)
+        rigid = Material(name="rigid", youngs_modulus=1e30, poissons_ratio=0.3, density=1.0)
         expected = 4 / 3 * 193e9 / (1 - 0.28**2)
         assert hertz_stiffness(steel, rigid) == approx(expected, rel=1e-14)
         assert hertz_stiffness(rigid, steel) == hertz_stiffness(steel, rigid)
@@ -71,6 +74,17 @@ class TestElasticity:
         assert contact.radius == 30e-6
         assert contact.hertz_radius == approx(20e-6, rel=1e-15)
         assert Contact(**fields).hertz_radius == approx(31e-6, rel=1e-15)
+
+    def test_two_spheres_by_hand(self, fields):
+        """Radii of 30 and 90 um; the second has 27 2330/8000 times the mass of the first."""
+        contact = Contact(**fields | {"diameter": 60e-6, "partner_diameter": 180e-6})
+        first, second = (rho * 4 / 3 * math.pi * r**3 for rho, r in ((8000, 3e-5), (2330, 9e-5)))
+        assert contact.hertz_radius == approx(22.5e-6, rel=1e-14)
+        assert contact.mass == approx(first * second / (first + second), rel=1e-14)
+        assert contact.mass_share == approx(second / (first + second), rel=1e-14)
+        # Equal spheres have half the radius and half the mass.
+        twins = Contact(**fields | {"surface": fields["particle"], "partner_diameter": 62e-6})
+        assert (twins.hertz_radius, twins.mass_share) == approx((15.5e-6, 0.5), rel=1e-14)
 
     def test_mass_by_hand(self, fields):
         expected = 8000 * math.pi * 62e-6**3 / 6
@@ -103,6 +117,12 @@ class TestAdhesion:
         # the ring model needs three times JKR's approach for it
         jkr_approach = jkr**2 / (3 * contact.hertz_radius)
         assert contact.equilibrium_compression == approx(3 * jkr_approach, rel=1e-14)
+
+    def test_the_pull_off_force_is_that_of_separation(self, fields):
+        by_jkr = Contact(**fields, law=JKR())
+        assert by_jkr.pull_off_force == approx(1.5 * math.pi * 0.5 * 31e-6, rel=1e-14)
+        hysteresis = Contact(**fields, law=Hysteresis(unloading_work=2.0))
+        assert hysteresis.pull_off_force == approx(1.5 * math.pi * 2.0 * 31e-6, rel=1e-14)
 
     def test_hertz_and_ring_force_balance_there(self, fields):
         contact = Contact(**fields)
@@ -218,6 +238,18 @@ class TestReplace:
         assert by_force.replace(diameter=10e-6).ring_force == 9.0
         assert by_force.replace(work_of_adhesion=0.1).adhesion_input == "work_of_adhesion"
 
+    def test_that_of_dataclasses_does_the_same(self, fields):
+        contact = Contact(**fields)
+        smaller = dataclasses.replace(contact, diameter=10e-6)
+        assert smaller == contact.replace(diameter=10e-6)
+        assert dataclasses.replace(contact, work_of_adhesion=0.1).work_of_adhesion == 0.1
+        by_force = dataclasses.replace(smaller, ring_force=9.0)
+        assert by_force == smaller.replace(ring_force=9.0)
+        assert dataclasses.replace(by_force, diameter=1e-6).ring_force == 9.0
+        assert dataclasses.replace(by_force, work_of_adhesion=0.5) == smaller
+        with pytest.raises(ValueError, match="got both"):
+            dataclasses.replace(contact, work_of_adhesion=0.1, ring_force=9.0)
+
     def test_it_checks_again(self, fields):
         with pytest.raises(ValueError, match=r"friction must be .* got -1"):
             Contact(**fields).replace(friction=-1)
@@ -294,11 +326,51 @@ NO_REFERENCE = "reference_velocity is needed"
         ({"surface": "steel"}, TypeError, "surface must be a Material, got 'steel'"),
         ({"damped_attachment": 1}, TypeError, "damped_attachment must be True or False, got 1"),
         ({"diameter": [1e-6] * 2, "friction": [0.1] * 3}, ValueError, r"diameter \(2,\).*friction"),
+        ({"diameter": 10**400}, ValueError, "^diameter must be finite and > 0, got inf"),
+        (
+            {"surface_radius": [[1.0], [1.0, 2.0]]},
+            TypeError,
+            "^surface_radius must be a real number",
+        ),
+        *(
+            (
+                {name: value},
+                ValueError,
+                f"^{name} must be from .* to 1e\\+30 in SI units, got [^\\[]*$",
+            )
+            for name, value in (
+                *(("diameter", 5e-324), ("partner_diameter", 1e308), ("surface_radius", 1e-320)),
+                *(("work_of_adhesion", [0.1, 1e200]), ("friction", 1e31)),
+            )
+        ),
+        (
+            {"law": Hysteresis(unloading_work=1e200)},
+            ValueError,
+            r"^law\.unloading_work must be from",
+        ),
     ],
 )
 def test_bad_input_is_named(fields, changes, error, message):
     with pytest.raises(error, match=message):
         Contact(**fields | changes)
+
+
+@given(exponents=st.lists(st.floats(-30.0, 30.0), min_size=8, max_size=8))
+def test_whatever_is_accepted_has_scales(exponents):
+    """At all of the ends together no number leaves double precision."""
+    numbers = 10.0 ** np.array(exponents)
+    bodies = [
+        Material(name="x", youngs_modulus=modulus, poissons_ratio=0.3, density=density)
+        for modulus, density in (numbers[:2], numbers[2:4])
+    ]
+    names = ("diameter", "work_of_adhesion", "partner_diameter", "hertz_damping")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".* is not from", UserWarning)
+        contact = Contact(
+            particle=bodies[0], surface=bodies[1], **dict(zip(names, numbers[4:], strict=True))
+        )
+    scales = np.array([*contact.scales, contact.hertz_radius, contact.pull_off_force])
+    assert np.all(np.isfinite(scales) & (scales > 0.0))
 
 
 @pytest.mark.parametrize(

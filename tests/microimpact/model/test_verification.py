@@ -117,7 +117,7 @@ def test_the_page_has_the_losses_of_the_mistakes():
     page = (ROOT / "docs/jkr-for-implementers.md").read_text(encoding="utf-8")
     printed = re.findall(r"(?m)^\|.*\| (\d[.\d]*) \| (\d[.\d]*) \|$", page.split("| mistake |")[1])
     contact, speed = CASES["jkr-wall"].contact, np.array([0.5])
-    rigid = Material(name="rigid", youngs_modulus=1e300, poissons_ratio=0.25, density=2500.0)
+    rigid = Material(name="rigid", youngs_modulus=1e30, poissons_ratio=0.25, density=2500.0)
     double, half = (contact.replace(work_of_adhesion=factor * 0.1) for factor in (2.0, 0.5))
     curves = [
         jkr_restitution(changed, speed, start, end)
@@ -221,14 +221,28 @@ def test_viscous_impacts_are_those_of_another_integrator(case):
         assert -path.y_events[0][0][1] / speed == pytest.approx(e, rel=1e-12)
 
 
+def test_numbers_and_lists_will_do_but_no_complex_ones():
+    verdict = verification.verify("hertz-wall", 0.1, 1.0)
+    assert verdict.agrees
+    assert verification.verify("hertz-wall", [0.1, 0.2], 1.0).impacts == 2
+    for speed, restitution, message in (
+        (0.1 + 1j, 1.0, "speed must be a real number"),
+        ([0.1, 0.2], [0.9, math.nan], "e must be .* got nan at index 1"),
+        ([0.1, 0.2], [0.9] * 3, r"speed \(2,\), restitution \(3,\)"),
+        ([], [], "an impact at least"),
+    ):
+        with pytest.raises((TypeError, ValueError), match=message):
+            verification.verify("hertz-wall", speed, restitution)
+
+
 def test_the_table_is_refused_by_row():
     row = {"case": "jkr-wall", "normal_speed_m_per_s": "0.1", "restitution": "0.9"}
     assert len(verification.verify_table([row])) == 1
     for change, message in (
         ({"case": "jkr-wal"}, r"case 'jkr-wal' unknown \(did you mean 'jkr-wall'\?\)"),
         ({"restitution": "?"}, "row 1: could not convert"),
-        ({"restitution": "-1"}, "e must be from 0 to 2, got -1"),
-        ({"normal_speed_m_per_s": "0"}, "speeds must be finite and above 0, got 0"),
+        ({"restitution": "-1"}, r"e must be finite and in \[0, 2\), got -1 at index 0"),
+        ({"normal_speed_m_per_s": "0"}, r"speed must be finite and .*, got 0 at index 0"),
     ):
         with pytest.raises(ValueError, match=message):
             verification.verify_table([row | change])

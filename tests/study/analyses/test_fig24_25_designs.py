@@ -50,7 +50,11 @@ def rated(contact):
 
 
 @pytest.mark.parametrize(
-    "generator", ["a b c d abcd", "a b c d -abcd", "a b c ab ac", "a b c -ab abc", "a b ab c ac"]
+    "generator",
+    [
+        *("a b c d abcd", "a b c d -abcd", "a b c ab ac", "a b c -ab abc", "a b ab c ac"),
+        *("a b d c abc", "b c d e bcde", "z y x w -zyxw"),
+    ],
 )
 def test_aliases_are_columns_of_the_design(generator):
     design = fractional_factorial(generator)

@@ -21,7 +21,6 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from microimpact.core.arrays import (
-    FINITE,
     BoolArray,
     FloatArray,
     Numbers,
@@ -39,12 +38,17 @@ from microimpact.model.contact import Contact, require_contact
 from microimpact.model.contact_laws import RING_FORCE
 from microimpact.model.dynamics.normal import NormalImpact, normal_impact
 from microimpact.model.dynamics.tangential import compliant_impulse
-from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, SLIP_PER_IMPULSE
+from microimpact.model.rigid_body.algebra import (
+    APPROACHING,
+    INERTIA,
+    SLIP_PER_IMPULSE,
+    SPEED_OF_LIGHT,
+    SPIN,
+    VELOCITY,
+)
 
 # Friction basis F + 2 F_pull-off; not for the ring force, which may pull harder than F_pull-off.
 PULL_OFF = "pull-off"
-# Squares of faster spheres' energies would leave double precision long after physics is left.
-SPEED_OF_LIGHT = 299_792_458.0
 SPEED = Range(lower=0.0, upper=SPEED_OF_LIGHT)
 ANGLE = Range(lower=0.0, upper=90.0, upper_closed=True)
 
@@ -66,8 +70,22 @@ PLANAR = {
 NormalLaw = Callable[[Contact, Real], NormalImpact]
 
 
+class Outcome(Readable):
+    """Base of impacts: energy of which a share was lost that is a number."""
+
+    __slots__ = ()
+    energy_loss: FloatArray
+
+    def __post_init__(self) -> None:
+        """Raise ValueError if numbers left double precision on the way."""
+        if not np.all(np.isfinite(self.energy_loss)):
+            raise ValueError(
+                "the impact is beyond double precision: sizes, speeds, spins, adhesion"
+            )
+
+
 @dataclass(frozen=True, slots=True, repr=False)
-class Impact(Readable):
+class Impact(Outcome):
     """Outcome of planar impacts; every field has the broadcast shape of the arguments.
 
     Attributes
@@ -109,9 +127,13 @@ class Impact(Readable):
     interpolation_error: FloatArray | float = 0.0
     partner_spin: FloatArray | float = 0.0
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields by name, as for ``pandas.DataFrame``."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
 
 @dataclass(frozen=True, slots=True, repr=False)
-class SpatialImpact(Readable):
+class SpatialImpact(Outcome):
     """Outcome of impacts in three dimensions, surface normal along z.
 
     As `Impact`, with ``velocity`` and the spins vectors (..., 3), m/s and rad/s, and
@@ -289,9 +311,9 @@ def planar(
     require_contact(contact, any_law=True, pair=True)
     basis = chosen_basis(contact, friction_basis, tangential)
     v_n = checked("v_n", v_n, APPROACHING)
-    v_t = checked("v_t", v_t, FINITE)
-    omega = checked("omega", omega, FINITE)
-    partner_spin = checked("partner_spin", partner_spin, FINITE)
+    v_t = checked("v_t", v_t, VELOCITY)
+    omega = checked("omega", omega, SPIN)
+    partner_spin = checked("partner_spin", partner_spin, SPIN)
     arguments = {"v_n": v_n, "v_t": v_t, "omega": omega, "partner_spin": partner_spin}
     shape = common_shape({"contact": contact.extent, **arguments})
     spins = Spins.of(contact, omega, partner_spin)
@@ -404,7 +426,8 @@ def simulate(
     Returns
     -------
     Impact
-        Arrays of the common shape.
+        Arrays of the common shape; a Series is taken as its values, so give its index again:
+        ``pd.DataFrame(impact.to_dict(), index=series.index)``.
 
     Raises
     ------
@@ -448,8 +471,8 @@ def incident(
         "contact": contact.extent,
         "speed": checked("speed", speed, SPEED),
         "angle": checked("angle", angle, ANGLE),
-        "spin": checked("spin", spin, FINITE),
-        "partner_spin": checked("partner_spin", partner_spin, FINITE),
+        "spin": checked("spin", spin, SPIN),
+        "partner_spin": checked("partner_spin", partner_spin, SPIN),
     }
     shape = common_shape(arguments)
     incidence = arguments["angle"]
@@ -532,7 +555,7 @@ def spatial(
     vectors = {}
     arguments = {"velocity": velocity, "spin": spin, "partner_spin": partner_spin}
     for name, value in arguments.items():
-        vectors[name] = np.asarray(checked(name, value, FINITE))
+        vectors[name] = np.asarray(checked(name, value, VELOCITY if name == "velocity" else SPIN))
         if vectors[name].shape[-1:] != (3,):
             raise ValueError(f"{name} must have shape (..., 3), got {vectors[name].shape}")
     leading = {name: vector[..., 0] for name, vector in vectors.items()}

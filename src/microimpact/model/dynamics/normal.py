@@ -31,6 +31,8 @@ ALWAYS_CAPTURED_ADHESION_GROUP = 1.17
 SHALLOW_SPEED = 0.1
 SLOW_REBOUND = 0.05
 SMALLEST_SPEED = 1e-30
+# Adhesion over the Hertz force at the scale of length: below, it is lost in rounding.
+NEGLIGIBLE = 1e-17
 
 # Above this c_H v the rebound is stiff: it creeps at nearly the speed 1/c_H, at which damping and
 # Hertz force cancel, and is integrated only from the compression on to which this c_H v leads.
@@ -161,7 +163,9 @@ def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, 
     )
     problems = np.zeros((math.prod(shape), kernel.PROBLEM_COLUMNS))
     rows = problems.T if shape else problems[0]
-    rows[kernel.START_U], rows[kernel.ADHESION] = v / velocity, equilibrium / length
+    adhesion = equilibrium / length
+    rows[kernel.START_U] = v / velocity
+    rows[kernel.ADHESION] = where(adhesion < NEGLIGIBLE, 0.0, adhesion)
     rows[kernel.HERTZ_DAMPING] = hertz_damping * velocity
     rows[kernel.DAMPING_2] = where(always_captured, 0.0, damping * velocity)
     if contact.damped_attachment:
@@ -400,7 +404,8 @@ def losses(contact: Contact, speed: Real) -> Losses:
 
 def _by_law(contact: Contact, speed: Real) -> NormalImpact:
     problem, scales, shape = laws.scaled(contact, speed)
-    outcome = laws.solve(problem)
+    with np.errstate(over="ignore", invalid="ignore"):  # of brackets; no root is an error
+        outcome = laws.solve(problem)
     time, impulse = scales.length / scales.velocity, scales.mass * scales.velocity
     s, energy = outcome.deepest, scales.mass * scales.velocity**2
     compression = s**4 - 4.0 * problem.closing * s

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
-from microimpact.core.arrays import FINITE, FloatArray, Numbers, Real, checked
+from microimpact.core.arrays import FloatArray, Numbers, Real, checked, whole
 from microimpact.core.extras import optional
 from microimpact.core.readable import Readable
 from microimpact.model.contact import Contact, require_contact
@@ -21,7 +21,7 @@ from microimpact.model.dynamics.impact import (
     velocity_components,
 )
 from microimpact.model.dynamics.normal import integrate, is_shallow, scaled_problems
-from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, SLIP_PER_IMPULSE
+from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, SLIP_PER_IMPULSE, SPIN
 
 # Room for the series of so many steps, widened where it does not suffice.
 STEPS, MOST_STEPS = 256, 1_000_000
@@ -124,13 +124,10 @@ def trajectory(
     """
     require_contact(contact, any_law=True)
     basis = chosen_basis(contact, friction_basis)
-    if isinstance(points, bool) or not isinstance(points, int | np.integer):
-        raise TypeError(f"points must be a whole number, got {points!r}")
-    if points < 2:
-        raise ValueError(f"points must be at least 2, got {points}")
+    points = whole("points", points, 2)
     speed = checked("speed", speed, SPEED)
     angle = checked("angle", angle, ANGLE)
-    spin = checked("spin", spin, FINITE)
+    spin = checked("spin", spin, SPIN)
     for name, value in {"speed": speed, "angle": angle, "spin": spin}.items():
         if np.ndim(value):
             raise ValueError(f"{name} must be a single number, got an array of {np.shape(value)}")

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from numbers import Integral
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import FloatArray, whole
 from microimpact.core.readable import Readable
 from microimpact.model.empirical.data import in_own_units
 from microimpact.model.empirical.fit import CONFIDENCE, RestitutionFit, scalar
@@ -86,11 +85,8 @@ def bootstrap_v_c(
     """
     if not isinstance(fit, RestitutionFit):
         raise TypeError(f"fit must be a RestitutionFit, got {fit!r}")
-    for name, value, least in (("replicates", replicates, 1), ("seed", seed, 0)):
-        if isinstance(value, bool) or not isinstance(value, Integral):
-            raise TypeError(f"{name} must be a whole number, got {value!r}")
-        if value < least:
-            raise ValueError(f"{name} must be at least {least}, got {value}")
+    whole("replicates", replicates, 1)
+    whole("seed", seed, 0)
     level = scalar("confidence", confidence, CONFIDENCE)
     curve = fit.curve(fit.v)
     streams = (np.random.SeedSequence(seed, spawn_key=(*spawn_key, i)) for i in range(replicates))

@@ -8,7 +8,6 @@ algebra.
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -22,10 +21,9 @@ from microimpact.core.arrays import FloatArray, Numbers, checked, choice
 from microimpact.core.files import write_file
 from microimpact.model.choices import FORMATS, WALL_FORMATS
 from microimpact.model.contact import Contact, require_contact
-from microimpact.model.contact_laws import RING_FORCE
 from microimpact.model.dynamics.impact import SPEED, chosen_basis, supporting_impulses
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.law.codes import FITTED, speeds_of_fit, template
+from microimpact.model.law.codes import LAMMPS, lammps_files, speeds_of_fit, template
 from microimpact.model.law.families import Sizes
 from microimpact.model.law.pieces import (
     SPLITS,
@@ -191,10 +189,8 @@ def export(
         Folder of the files; it is made.
     format
         ``"c"``: a header in C99 without dependencies, and an example; ``"fluent"``, ``"openfoam"``:
-        the same with a boundary condition; ``"csv"``, ``"npz"``: e and the impulses over diameter
-        and speed; ``"lammps"``: the force without damping as a table of a wall, for one size;
-        ``"lammps-jkr"``, ``"lethe"``, ``"yade"``: coefficients of the codes' own contacts, fitted;
-        ``"acusolve"``: a wall's table of e, for one size.
+        the same with a boundary condition; ``"csv"``: e and the impulses over diameter and speed;
+        ``"lammps-jkr"``: coefficients of LAMMPS's own contact, fitted, for one size.
     fastest
         Fastest normal speed, m/s.
     friction_basis
@@ -223,42 +219,19 @@ def export(
     if contact.is_pair and format in WALL_FORMATS:
         others = ", ".join(form for form in FORMATS if form not in WALL_FORMATS)
         raise ValueError(f"format {format!r} is of a wall: two spheres have {others}")
-    if format == "lammps" and contact.law is not None:
-        raise ValueError(
-            f"format 'lammps' writes the force of the law {RING_FORCE!r}: take 'lammps-jkr', which "
-            "fits LAMMPS's own contact"
-        )
     basis = chosen_basis(contact, friction_basis)
-    if format in FITTED:
-        return _written(path, FITTED[format](contact, speeds_of_fit(contact, speeds, format)))
+    if format == LAMMPS:
+        return _written(path, lammps_files(contact, speeds_of_fit(contact, speeds)))
     if speeds is not None:
-        raise ValueError(f"speeds are of {', '.join(FITTED)}, got format {format!r}")
+        raise ValueError(f"speeds are of format {LAMMPS!r}, got {format!r}")
     speed = float(checked("fastest", fastest, SPEED))
     law = rebounds(contact, speed, basis, float(checked("tolerance", tolerance, TOLERANCES)))
-    if format in {"lammps", "acusolve"} and law.sizes.half_width:
-        raise ValueError(
-            f"format {format!r} is of one size: export each diameter into a separate folder"
-        )
-    return _written(path, _contents(law, format))
+    if format == "csv":
+        return _written(path, {"microimpact_rebound.csv": _commented(law) + _text(_sampled(law))})
+    return _written(path, {name: _filled(name, law) for name in (HEADER, *WORKED[format])})
 
 
-def _contents(law: Rebounds, form: str) -> dict[str, str | bytes]:
-    """Contents of the files of a format, by name."""
-    contents: dict[str, str | bytes] = {}
-    if form in {"c", "fluent", "openfoam"}:
-        contents["microimpact_rebound.h"] = _filled("rebound.h", law)
-    if form == "csv":
-        contents["microimpact_rebound.csv"] = _commented(law) + _text(_sampled(law))
-    elif form == "npz":
-        contents["microimpact_rebound.npz"] = _archive(law)
-    elif form == "lammps":
-        contents["microimpact_wall.table"] = _wall_table(law)
-    elif form == "acusolve":
-        contents |= _acusolve_files(law)
-    return contents | {name: _filled(name, law) for name in WORKED.get(form, ())}
-
-
-def _written(path: Path | str, contents: Mapping[str, str | bytes]) -> list[Path]:
+def _written(path: Path | str, contents: Mapping[str, str]) -> list[Path]:
     """Files of a folder, once they are written."""
     files = [Path(path) / name for name in contents]
     for file, content in zip(files, contents.values(), strict=True):
@@ -266,7 +239,8 @@ def _written(path: Path | str, contents: Mapping[str, str | bytes]) -> list[Path
     return files
 
 
-# Worked boundary conditions that go with a format.
+HEADER = "microimpact_rebound.h"
+# Worked boundary conditions that go with it.
 WORKED = {
     "c": ("example.c",),
     "fluent": ("microimpact_fluent.c",),
@@ -274,7 +248,6 @@ WORKED = {
         *("MicroimpactRebound.H", "MicroimpactRebound.C", "makeMicroimpactRebound.C"),
         *("Make/files", "Make/options"),
     ),
-    "lammps": ("in.microimpact",),
 }
 
 
@@ -289,20 +262,16 @@ def _filled(name: str, law: Rebounds) -> str:
         version=version("microimpact"),
         basis=law.basis,
         net=int(law.basis == "net"),
-        radius=repr(float(contact.radius)),
         diameter=repr(float(contact.diameter)),
         smallest=repr(smallest * (1.0 - NEARLY)),
         largest=repr(largest * (1.0 + NEARLY)),
         narrowness=repr(1.0 / law.sizes.half_width if law.sizes.half_width else 0.0),
-        start=repr(1.01 * float(contact.radius)),
-        points=20 * ROWS,
         density=repr(float(contact.particle.density)),
         friction=repr(float(contact.friction)),
         slowness=", ".join(map(repr, law.slowness.tolist())),
         slownesses=law.slowness.size,
         captures=int(law.captures),
         fastest=repr(law.fastest),
-        error=f"{law.table.error:.1e}",
         lowest=law.table.lowest,
         split=law.table.split,
         bands=law.table.coefficients.shape[0],
@@ -402,73 +371,3 @@ def _commented(law: Rebounds) -> str:
     """Description and rule, as comments of a table."""
     lines = [*_description(law), *RULE.splitlines()]
     return "".join(f"# {line}\n" for line in lines)
-
-
-def _archive(law: Rebounds) -> bytes:
-    """Columns and polynomials as an archive of NumPy."""
-    target = io.BytesIO()
-    np.savez(
-        target,
-        **_sampled(law),  # type: ignore[arg-type]
-        described=np.array(_commented(law)),
-        coefficients=law.coefficients,
-        lowest=law.table.lowest,
-        split=law.table.split,
-        bands=law.table.coefficients.shape[0],
-        slowness=law.slowness,
-        offset=law.offset,
-        diameters=law.sizes.ends,
-        friction=law.sizes.middle.friction,
-    )
-    return target.getvalue()
-
-
-def _wall_table(law: Rebounds) -> str:
-    """Table of the undamped force of Eq. (25) over the distance of centre and wall."""
-    contact = law.sizes.middle
-    radius, bent = float(contact.radius), float(contact.hertz_radius)
-    deepest = 2.0 * float(
-        (1.25 * contact.mass * law.fastest**2 / (np.sqrt(bent) * contact.stiffness)) ** 0.4
-    )
-    n = np.linspace(deepest, 0.0, 20 * ROWS)
-    contact_radius = np.sqrt(bent * n)
-    adhesion = 2.0 * np.pi * float(contact.ring_force or 0.0)
-    force = float(contact.stiffness) * np.sqrt(bent) * n**1.5 - adhesion * contact_radius
-    energy = 0.4 * float(contact.stiffness) * np.sqrt(bent) * n**2.5
-    energy -= adhesion * np.sqrt(bent) * n**1.5 / 1.5
-    rows = (
-        f"{i} {r!r} {u!r} {f!r}"
-        for i, (r, u, f) in enumerate(
-            zip((radius - n).tolist(), energy.tolist(), force.tolist(), strict=True), 1
-        )
-    )
-    head = "".join(f"# {line}\n" for line in _description(law))
-    return (
-        f"{head}# Units: si. Force without damping: no loss, so no capture.\n\n"
-        f"CONTACT\nN {n.size}\n\n" + "\n".join(rows) + "\n"
-    )
-
-
-def _acusolve_files(law: Rebounds) -> dict[str, str]:
-    """Contents by name: e over normal speed for a wall of AcuSolve, and a text on its use."""
-    columns = _sampled(law)
-    rows = np.array([columns[name] for name in ("normal_speed_m_per_s", "restitution")])
-    diameter = float(law.sizes.middle.diameter)
-    limit = float(law.unit(diameter))
-    first = [[0.0, limit], [0.0, 0.0]] if law.captures else [[0.0], [1.0]]
-    last = np.array([law.fastest * (1.0 - 1e-12)])  # the end itself is in no piece of the table
-    speed, e = np.concatenate([first, rows, [last, law(last, diameter)[0]]], axis=1)
-    within = np.concatenate([speed[:-1] + share * np.diff(speed) for share in (0.25, 0.5)])
-    misfit = np.max(np.abs(np.interp(within, speed, e) - law(within, diameter)[0]))
-    lines = [
-        *_description(law),
-        f"Between the rows e is right to {misfit:.1e}.",
-        "Two columns, normal speed in m/s and e: wall_en_curve_fit_values of",
-        "FINITE_MASS_BOUNDARY_CONDITION with wall_type = reflect, wall_en_type = piecewise_linear.",
-        "A sphere with e = 0 keeps its velocity along the wall, which has no friction.",
-    ]
-    pairs = zip(speed.tolist(), e.tolist(), strict=True)
-    return {
-        "microimpact_restitution.txt": "".join(f"{v!r} {ratio!r}\n" for v, ratio in pairs),
-        "microimpact_acusolve.txt": "\n".join(lines) + "\n",
-    }

@@ -26,6 +26,7 @@ from microimpact.core.arrays import (
     Numbers,
     Range,
     checked,
+    whole,
 )
 from microimpact.core.readable import Readable
 from microimpact.core.solve import IntArray
@@ -127,6 +128,7 @@ class Law(Readable):
         RuntimeError
             If an integration failed.
         """
+        threads = whole("threads", threads, 1)
         before, spins, shape = incident(
             self.contact, speed, angle, spin, friction_basis, partner_spin=partner_spin
         )

@@ -24,7 +24,12 @@ from microimpact.core.arrays import (
 )
 from microimpact.model import passes
 
-APPROACHING = Range(upper=0.0)
+# Squares of faster spheres' energies would leave double precision long after physics is left.
+SPEED_OF_LIGHT = 299_792_458.0
+APPROACHING = Range(lower=-SPEED_OF_LIGHT, upper=0.0)
+VELOCITY = Range(lower=-SPEED_OF_LIGHT, upper=SPEED_OF_LIGHT)
+# rad/s: at these the surface of a sphere of a nanometre has the speed of light.
+SPIN = Range(lower=-6e17, upper=6e17)
 UNIT_INTERVAL = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
 # What the arguments of the rigid body model may be, by their names.
 ADMISSIBLE: Mapping[str, Range] = {
@@ -32,7 +37,10 @@ ADMISSIBLE: Mapping[str, Range] = {
     "radius": POSITIVE,
     "friction": NON_NEGATIVE,
     **dict.fromkeys(("e", "R", "rho"), UNIT_INTERVAL),
-    **dict.fromkeys(("v_t", "omega", "mu", "spin_ratio"), FINITE),
+    "v_t": VELOCITY,
+    "omega": SPIN,
+    "mu": FINITE,
+    "spin_ratio": FINITE,
     "angle": Range(lower=0.0, upper=np.pi / 2, upper_closed=True),
     "slope": Range(lower=-np.pi / 2, upper=np.pi / 2),
 }

@@ -83,6 +83,19 @@ def test_noise_of_the_delay_is_that_of_its_parts():
     )
 
 
+def test_two_rounded_stamps_differ_by_a_triangle_of_errors():
+    """Each is off by a uniform error of a clock's step, of variance 1/12."""
+    rounding = replace(QUIET, time_resolution_us=10.0)
+    spread, _ = delay_noise(np.array([-0.74]), np.array([0.2]), H, rounding)
+    assert spread == pytest.approx(10e-6 / np.sqrt(6), rel=1e-12)
+    some = experiment(3, n=2000)
+    stamps, true = (
+        records(passages(some, H, clock), 1e3, clock, np.random.default_rng(1))[0].time
+        for clock in (rounding, QUIET)
+    )
+    assert np.std(stamps - true) == pytest.approx(10e-6 / np.sqrt(12), rel=0.05)
+
+
 def test_a_quiet_stream_is_paired_perfectly_and_gives_the_true_speeds():
     # a probe volume so thin that the mean over the transit is the speed in its middle
     thin = replace(QUIET, probe_across_um=1e-4, probe_along_um=1e-4)

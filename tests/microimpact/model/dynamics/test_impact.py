@@ -1,6 +1,7 @@
 """Oblique impact, planar and in three dimensions."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -189,6 +190,13 @@ class TestArguments:
         plain = 2.0 if np.ndim(speed) == 0 else np.array([1.0, 2.0])
         assert as_tuple(simulate(contact, speed, 50.0)) == as_tuple(simulate(contact, plain, 50.0))
 
+    def test_outcomes_go_into_a_table_with_the_index_of_a_series(self, contact):
+        speed = pd.Series([1.0, 2.0], index=["a", "b"])
+        impact = simulate(contact, speed, 50.0)
+        table = pd.DataFrame(impact.to_dict(), index=speed.index)
+        assert set(table.columns) == set(Impact.__dataclass_fields__)
+        assert table["spin"]["b"] == impact.spin[1]
+
     @every_basis
     @pytest.mark.parametrize("shape", [(0,), (0, 3), (60, 4)])
     def test_every_field_is_a_number_of_the_common_shape(self, contact, basis, shape):
@@ -222,6 +230,11 @@ TOWARDS = {"velocity": [1.0, 0.0, -1.0]}
                 ("angle", 0.0, "0"),
                 ("angle", 90.5, "90.5"),
                 ("spin", math.inf, "inf"),
+                *(
+                    ("speed", 10**400, "inf"),
+                    ("speed", 1e308, "1e\\+308"),
+                    ("spin", -1e18, "-1e\\+18"),
+                ),
             )
         ),
         *(
@@ -248,6 +261,9 @@ TOWARDS = {"velocity": [1.0, 0.0, -1.0]}
             r"v_n \(2,\), om",
         ),
         (planar, {"v_n": 0.0, "v_t": 1.0}, ValueError, "^v_n must be"),
+        (planar, {"v_n": -1e200, "v_t": 1.0}, ValueError, "^v_n must be"),
+        (planar, {"v_n": -1.0, "v_t": 1e200}, ValueError, "^v_t must be"),
+        (spatial, {"velocity": [1e200, 0.0, -1.0]}, ValueError, "^velocity must be"),
         (spatial, {"velocity": [1.0, 0.0, 0.0]}, ValueError, "^velocity"),
         (spatial, {"velocity": [1.0, -1.0]}, ValueError, f"velocity {VECTOR}"),
         (spatial, TOWARDS | {"spin": 1.0}, ValueError, f"spin {VECTOR}"),
@@ -264,6 +280,21 @@ def test_bad_input_is_named(contact, function, arguments, error, message):
     motion = {name: value for name, value in arguments.items() if name not in fields}
     with pytest.raises(error, match=message):
         function(contact.replace(**fields), **motion)
+
+
+@pytest.mark.parametrize("work", [1e-30, 1e-28, 1e-25])
+def test_hardly_any_adhesion_is_as_good_as_none(contact, work):
+    speed = np.geomspace(0.1, 10.0, 60)
+    expected = simulate(contact.replace(work_of_adhesion=0.0), speed, 40.0)
+    found = simulate(contact.replace(work_of_adhesion=work), speed, 40.0)
+    for name in FIELDS:
+        assert getattr(found, name) == pytest.approx(getattr(expected, name), rel=1e-12), name
+
+
+def test_an_outcome_that_is_no_number_is_an_error(contact):
+    good = simulate(contact, [1.0, 2.0])
+    with pytest.raises(ValueError, match="beyond double precision"):
+        replace(good, energy_loss=np.array([0.5, math.nan]))
 
 
 class TestSpatial:

@@ -1,19 +1,20 @@
-"""Contacts of LAMMPS, Lethe and YADE, and the coefficients fitted; a table for AcuSolve.
+"""Coefficients of LAMMPS's contact jkr, and its input file read again.
 
 LAMMPS itself is asked in tests/peers.
 """
 
-import math
 import re
 
 import numpy as np
 import pytest
 
+from microimpact.core.materials import Material
+from microimpact.model.closed_forms import contact_modulus
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.laws import BROKEN, PULL_OFF, jkr_restitution
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.law.codes import fitted, jkr_coefficients, lethe, yade, yades_e
+from microimpact.model.law.codes import jkr_coefficients
 from microimpact.model.law.export import export
 
 SPEEDS = np.array([0.1, 1.0, 10.0])
@@ -35,51 +36,70 @@ def test_the_early_break_is_made_good_by_the_surface_energy(contact):
     assert fit.misfit < 1e-6
 
 
-def lammps(contact):
-    def code(time, work, speeds):
-        changed = contact.by_law(JKR(viscous_time=time), work)
-        return jkr_restitution(changed, speeds, end=PULL_OFF)
+def test_the_input_of_lammps_is_the_contact(contact, tmp_path):
+    """Every number of the file, and the restitution and capture of a contact made of them."""
+    limit = float(capture_velocity(contact))
+    speeds = limit * np.array([1.5, 5.0, 15.0])
+    text, table = (
+        path.read_text() for path in export(contact, tmp_path, "lammps-jkr", speeds=speeds)
+    )
+    numbers = {
+        name: np.array(re.findall(pattern.replace("@", r"(-?\d[-+.\de]*)"), text)[0], dtype=float)
+        for name, pattern in {
+            "limit": r"capture velocity\n# @ m/s",
+            "misfit": r"m/s to @ at most",
+            "whole": r"needs gamma @ and eta @\.",
+            "start": r"single 0 0 @",
+            "sphere": r"diameter @ density @",
+            "elastic": r"granular jkr @ @ @ @ &\n",
+            "friction": r"mindlin NULL 0\.0 @",
+            "run": r"timestep *@(?:.|\n)*\nrun *@\n",
+            "speed": r"speed index @",
+        }.items()
+    }
+    modulus, damping, ratio, energy = numbers["elastic"]
+    diameter, density = numbers["sphere"]
+    body = Material(name="body", youngs_modulus=modulus, poissons_ratio=ratio, density=density)
+    sphere = contact.replace(particle=body, surface=body, diameter=diameter)
+    assert sphere.mass == pytest.approx(contact.mass, rel=1e-12)
+    assert contact_modulus(sphere) == pytest.approx(float(contact_modulus(contact)), rel=1e-9)
+    assert ratio == contact.particle.poissons_ratio
+    assert numbers["friction"] == contact.friction
+    assert numbers["limit"] == pytest.approx(limit, rel=1e-5)
 
-    return code
+    def rebounds(energy, damping, speed, end):
+        time = damping * sphere.mass / (2.0 * contact_modulus(sphere))
+        return jkr_restitution(sphere.by_law(JKR(viscous_time=time), 2.0 * energy), speed, end=end)
 
-
-@pytest.mark.parametrize(("code", "damping"), [(lammps, 1e-8), (lethe, 0.1), (yade, 5e-9)])
-def test_the_fit_keeps_the_capture_velocity(contact, code, damping):
-    limit, peer = float(capture_velocity(contact)), code(contact)
-    fit = fitted(contact, limit * np.array([1.5, 5.0, 15.0]), peer, 1e-3 * damping)
-    around = peer(fit.damping, 2.0 * fit.surface_energy, limit * np.array([0.999, 1.001]))
-    assert list(around > 0.0) == [False, True]
-    assert 0.0 < fit.misfit < 0.1
-    if code is not lammps:  # whose contact breaks early
-        assert peer(0.0, 0.5, SPEEDS) == pytest.approx(1.0, abs=1e-6)
-
-
-@pytest.mark.parametrize("loss", [0.0, 0.1, 1.0])
-def test_without_adhesion_lethe_returns_the_restitution_put_in(contact, loss):
-    assert lethe(contact)(loss, 0.0, SPEEDS) == pytest.approx(math.exp(-loss), abs=2e-5)
-
-
-def test_without_adhesion_yade_has_the_restitution_of_its_approximant(contact):
-    expected = [yades_e(contact, 5e-9, speed) for speed in SPEEDS]
-    assert yade(contact)(5e-9, 0.0, SPEEDS) == pytest.approx(expected, abs=5e-6)
-
-
-def test_the_wall_of_acusolve_is_right_between_its_rows(contact, tmp_path):
-    table, text = export(contact, tmp_path, "acusolve", 20.0)
-    speed, e = np.loadtxt(table).T
-    misfit = float(re.search(r"right to (\S+)\.\n", text.read_text())[1])
-    between = np.geomspace(0.5 * speed[1], 20.0, 2000)
-    off = np.interp(between, speed, e) - normal_impact(contact, between).coefficient_of_restitution
-    assert np.max(np.abs(off)) < 1.1 * misfit < 0.01
+    speed, e, fitted = np.loadtxt(table.splitlines()[1:], delimiter=",").T
+    assert speed == pytest.approx(speeds)
+    assert e == pytest.approx(normal_impact(contact, speed).coefficient_of_restitution, rel=1e-12)
+    assert fitted == pytest.approx(rebounds(energy, damping, speed, PULL_OFF), rel=1e-6)
+    assert np.max(np.abs(fitted - e)) == pytest.approx(numbers["misfit"], abs=5e-4)
+    around = limit * np.array([0.999, 1.001])
+    for case in ((energy, damping, around, PULL_OFF), (*numbers["whole"], around, BROKEN)):
+        assert list(rebounds(*case) > 0.0) == [False, True]
+    # The shortest contact is resolved, and the slowest sphere has long left when the run ends.
+    step, steps = numbers["run"]
+    assert numbers["speed"] == speeds.max()
+    times = normal_impact(contact, speeds).contact_time
+    assert step == pytest.approx(times.min() / 500, rel=1e-3)
+    flight = (numbers["start"] - contact.radius) * (1.0 + 1.0 / fitted.min()) / speeds.min()
+    assert step * steps > 10.0 * (times.max() + flight)
 
 
 def test_speeds_are_asked_for_where_they_are_needed(contact, tmp_path):
     limit, bare = float(capture_velocity(contact)), contact.replace(work_of_adhesion=0.0)
     for body, form, speeds, message in (
         (contact, "lammps-jkr", [0.001, 1.0], rf"above the capture velocity {limit:.6g} m/s, got"),
-        (contact, "c", [1.0], "speeds are of lammps-jkr, lethe, yade, got format 'c'"),
+        (contact, "c", [1.0], "speeds are of format 'lammps-jkr', got 'c'"),
         (bare, "lammps-jkr", None, "speeds are needed where nothing is captured"),
-        (contact.replace(diameter=[5e-6, 6e-6]), "yade", None, r"is of one contact, got \(2,\)"),
+        (
+            contact.replace(diameter=[5e-6, 6e-6]),
+            "lammps-jkr",
+            None,
+            r"is of one contact, got \(2,\)",
+        ),
     ):
         with pytest.raises(ValueError, match=message):
             export(body, tmp_path, form, speeds=speeds)

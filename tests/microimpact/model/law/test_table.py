@@ -1,5 +1,6 @@
 """The law of normal impacts as a table: the error stated holds, capture is the integrator's."""
 
+import math
 from dataclasses import fields, replace
 
 import numpy as np
@@ -242,6 +243,20 @@ def test_threads_change_no_outcome(contact):
     alone, shared = (law.simulate(speed, 30.0, threads=n) for n in (1, 3))
     for field in fields(alone):
         np.testing.assert_array_equal(getattr(alone, field.name), getattr(shared, field.name))
+
+
+@pytest.mark.parametrize("threads", [math.nan, 0, -1, 2.5, True])
+def test_threads_are_a_whole_number(contact, threads):
+    with pytest.raises((TypeError, ValueError), match=r"^threads must be"):
+        tabulate(contact, 0.02, 5.0).simulate(1.0, threads=threads)
+
+
+def test_rounding_is_part_of_the_error_of_what_the_table_gives(contact):
+    limit = float(capture_velocity(contact))
+    excess = np.array([-0.01, 0.004, 0.3])
+    law = tabulate(contact, 0.5 * limit, 2.0 * limit)
+    error = law.simulate(limit * (1.0 + excess)).interpolation_error
+    assert error - law.error == pytest.approx(2e-14 / np.abs(excess), rel=1e-3)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
