@@ -1,10 +1,8 @@
-"""Measured rebounds from text files as laboratories write them, and from tables in memory."""
+"""Measured rebounds from text files, data frames and mappings."""
 
 from __future__ import annotations
 
-import csv
-import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -12,78 +10,142 @@ from typing import Any, Literal
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.materials import LENGTH, SPEED
-from microimpact.core.nearest import nearest
-
-SPEED_UNITS = {**SPEED, "cm/s": 1e-2, "um/s": 1e-6, "km/h": 1.0 / 3.6}
-SHARE_UNITS = {"": 1.0, "1": 1.0, "-": 1.0, "%": 1e-2}
-ANGLE_UNITS = dict.fromkeys(("", "deg", "degree", "degrees", "°"), 1.0) | {"rad": 180.0 / np.pi}
-COLUMNS = {
-    "v": "normal speed before impact",
-    "e": "coefficient of restitution",
-    "V": "normal speed after impact, in place of e",
-    "sigma": "standard deviation of e",
-    "sigma_v": "standard deviation of v, or in % of v",
-    "d": "diameter of the sphere",
-    "sigma_d": "standard deviation of d, or in %",
-    "captured": "yes or no",
-    "angle": "of incidence, degrees from the surface: v is then the total speed",
-}
-UNITS = {
-    **dict.fromkeys(("v", "V"), SPEED_UNITS),
-    **dict.fromkeys(("e", "sigma"), SHARE_UNITS),
-    "sigma_v": SPEED_UNITS,
-    **dict.fromkeys(("d", "sigma_d"), LENGTH),
-    **dict.fromkeys(("sigma_v in %", "sigma_d in %"), SHARE_UNITS),
-    "angle": ANGLE_UNITS,
-    "captured": {"": 1.0},
-}
-# Columns that may be in % of another; they are then called so: "sigma_v in %".
-OF = {"sigma_v": "v", "sigma_d": "d"}
-_YES, _NO = {"yes", "true", "1", "captured"}, {"no", "false", "0", "", "rebound"}
-# Cells without a number, as people and programs write them.
-MISSING = {"", "-", "--", "n.d.", "nd", "n/a", "na", "<na>", "nan", "nat", "none", "null"}
-MISSING |= {"#n/a", "#nv", "k.a."}
-SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "bar": "|", "space": " "}
-COMMENTS = ("#", "%")
-_OTHER = {".": ",", ",": "."}
-# "v", "v (cm/s)", "v [cm/s]", "v in cm/s", "v / cm/s" or "v_cm_per_s".
-_HEADER = re.compile(
-    r"(.+?)\s*(?:[(\[]\s*([^()\[\]]*?)\s*[)\]]|\s(?:in|/)\s+(\S.*)|_([a-z]+)_per_([a-z]+))?"
+from microimpact.core.plausible import PLAUSIBLE, implausible
+from microimpact.core.readable import Readable
+from microimpact.measured.table import (
+    ANGLE_UNITS,
+    MISSING,
+    SHARE_UNITS,
+    SIZE_UNITS,
+    SIZES,
+    SPEED_UNITS,
+    SPEEDS,
+    Column,
+    Row,
+    Table,
+    read_table,
 )
+from microimpact.model.choices import NOISE
+
+BEFORE = Column(
+    units=SPEED_UNITS,
+    kind=SPEEDS,
+    names=(
+        *(
+            "velocity",
+            "speed",
+            "U",
+            "u",
+            "v_in",
+            "vin",
+            "v_i",
+            "vi",
+            "v_n",
+            "vn",
+            "v_0",
+            "v0",
+            "u_in",
+        ),
+        *("v_impact", "u_impact", "impact_velocity", "impact_speed", "incident_velocity"),
+        *("normal_speed", "normal_velocity", "v_incident", "incoming_velocity"),
+    ),
+)
+RESTITUTION = Column(
+    units=SHARE_UNITS,
+    names=("cor", "restitution", "coefficient_of_restitution", "e_n", "en"),
+)
+# Normal speeds before and after impact; coefficient of restitution; standard deviations of e, of v
+# and of the diameter d; angle of incidence from the surface, with which v is the total speed.
+COLUMNS = {
+    "v": BEFORE,
+    "e": RESTITUTION,
+    "V": Column(
+        units=SPEED_UNITS,
+        kind=SPEEDS,
+        names=(
+            *("v_out", "vout", "v_r", "v_rebound", "u_out", "u_rebound", "rebound_velocity"),
+            *("rebound_speed", "outgoing_velocity", "v_reb"),
+        ),
+    ),
+    "sigma": Column(units=SHARE_UNITS, names=("sigma_e", "e_sd", "sd_e", "e_std", "std_e")),
+    "sigma_v": Column(units=SPEED_UNITS | {"%": 1e-2}, kind=SPEEDS, names=("sd_v", "std_v")),
+    "d": Column(units=SIZE_UNITS, kind=SIZES, names=("D", "diameter", "d_p", "dp")),
+    "radius": Column(units=SIZE_UNITS, kind=SIZES, names=("R", "r", "r_p", "rp")),
+    "sigma_d": Column(units=SIZE_UNITS | {"%": 1e-2}, kind=SIZES, names=("sd_d", "std_d")),
+    "captured": Column(),
+    "angle": Column(units=ANGLE_UNITS),
+}
+_YES, _NO = {"yes", "true", "1", "captured"}, {"no", "false", "0", "rebound"}
+# What the functions of fits take.
+_ARGUMENTS = ("v", "e", "sigma", "sigma_v", "d", "size_scatter")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Rebounds:
-    """Measured normal impacts."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Rebounds(Readable):
+    """Measured normal impacts; a mapping of what the functions of fits take.
 
-    v: FloatArray  # Normal speeds before impact (n,), m/s
-    e: FloatArray  # Coefficients of restitution (n,); 0 where captured
-    sigma: FloatArray | None  # Standard deviations of e (n,), or None
-    sigma_v: FloatArray | None = None  # Those of v (n,), m/s
-    d: FloatArray | None = None  # Diameters (n,), m
-    # Relative standard deviations of the diameters (n,); "free": one for all, to be found.
+    Attributes
+    ----------
+    v, e
+        Normal speeds before impact, m/s, and coefficients of restitution, 0 where captured, (n,).
+    sigma, sigma_v
+        Standard deviations of e, and of v in m/s, (n,); None: not known.
+    d
+        Diameters, m, (n,); None: not known.
+    size_scatter
+        Relative standard deviations of the diameters (n,); ``"free"``: one for all, to be found.
+    read
+        What was read, in a line.
+    notes
+        What was left out of the file or is doubtful, a sentence each.
+
+    Examples
+    --------
+    >>> data = read_rebounds("mine.csv")
+    >>> compare_models(**data)
+    """
+
+    v: FloatArray
+    e: FloatArray
+    sigma: FloatArray | None = None
+    sigma_v: FloatArray | None = None
+    d: FloatArray | None = None
     size_scatter: FloatArray | Literal["free"] | None = None
-    notes: tuple[str, ...] = ()  # What was left out of the file, a sentence each
+    read: str = ""
+    notes: tuple[str, ...] = ()
 
+    def keys(self) -> tuple[str, ...]:
+        """Return the names of what is known, for ``compare_models(**rebounds)``."""
+        return tuple(name for name in _ARGUMENTS if getattr(self, name) is not None)
 
-@dataclass(frozen=True, slots=True)
-class _Table:
-    """Cells as text, and names of the table and its rows for messages."""
+    def __getitem__(self, name: str) -> Any:
+        if name not in _ARGUMENTS:
+            raise KeyError(name)
+        return getattr(self, name)
 
-    name: str
-    header: Sequence[str]
-    rows: Sequence[tuple[str, Sequence[str]]]  # where, cells
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The notes, which are printed as warnings."""
+        return self.notes
+
+    def summary(self) -> str:
+        """What was read, in a line."""
+        return self.read
 
 
 def read_rebounds(
     source: Path | str | Mapping[str, Any],
     unit: str | None = None,
     *,
+    size_unit: str | None = None,
     columns: Mapping[str, str] | None = None,
     delimiter: str | None = None,
     decimal: str | None = None,
     encoding: str | None = None,
+    sigma: float | None = None,
+    sigma_v: float | str | None = None,
+    size_scatter: float | str | None = None,
+    skip_bad_rows: bool = False,
 ) -> Rebounds:
     """Read measured rebounds: a text file, a data frame, or a mapping of arrays.
 
@@ -92,305 +154,238 @@ def read_rebounds(
     source
         The file, or the table, with the columns `COLUMNS`, of which v and e or V are needed; others
         are left out. Lines that begin with ``#`` or ``%`` are comments, rows without their numbers
-        are skipped; ``notes`` says so. A captured sphere has ``captured`` yes, or e (or V) 0.
-    unit
-        Unit of the speeds, one of `SPEED_UNITS`, where the header has none; None: m/s.
+        are skipped; ``notes`` says so. A captured sphere has ``captured`` yes, or e (or V) 0, and
+        needs no ``sigma``: it takes the median one of the others.
+    unit, size_unit
+        Units of speeds and of sizes, where the table states none; None: SI units.
     columns
         Headers in the file by the names of `COLUMNS`: ``{"v": "Impact speed [cm/s]"}``.
     delimiter
-        Between cells, a character or a name of `SEPARATORS`; None: the one that parts the header
-        into most cells.
+        Between cells, a character or a name of `microimpact.measured.table.SEPARATORS`; None: the
+        one that parts the header into most cells.
     decimal
         ``"."`` or ``","``; None: as the numbers are written.
     encoding
         Of the file; None: UTF-8, and Latin-1 where it is not.
+    sigma, sigma_v, size_scatter
+        Standard deviation of e, of v (m/s, or ``"1.5%"``) and of d (``0.07``, ``"7%"`` or
+        ``"free"``) where no column has them. Where e is V/v, the error of v is added to sigma.
+    skip_bad_rows
+        Whether rows with a wrong number are left out, and named in ``notes``.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     ValueError
-        With file, line, column, value and the allowed values.
+        With file, line, column, value and the allowed values; all bad rows are named.
     """
-    if isinstance(source, str | Path):
-        table = _file(Path(source), delimiter, encoding)
-    else:
-        table = _in_memory(source)
-        decimal = "."
-    places, factors = _columns(table, unit, columns or {})
-    if "sigma_d" in places and "d" not in places:
-        raise ValueError(f"{table.name}: sigma_d needs the column d, or is in %: 'sigma_d (%)'")
-    used = set(places.values())
-    ignored = [cell for at, cell in enumerate(table.header) if at not in used and cell]
-    named = [
-        (where, {column: cells[at] for column, at in places.items()}) for where, cells in table.rows
-    ]
-    mark = _decimal(table.name, named, decimal)
-    rows, skipped = [], []
-    for where, cells in named:
-        if _lacks_numbers(cells):
-            skipped.append(where.rpartition(", ")[2])
-        else:
-            rows.append(_row(where, cells, factors, mark))
-    if not rows:
-        raise ValueError(f"{table.name}: no data below the header")
-    notes = []
-    if ignored:
-        notes.append(f"{table.name}: columns not used: {', '.join(map(repr, ignored))}")
-    if skipped:
-        notes.append(
-            f"{table.name}: {len(skipped)} of {len(named)} rows lack a number and are skipped: "
-            f"{', '.join(skipped[:10])}{' ...' if len(skipped) > 10 else ''}; a captured sphere "
-            "is e = 0 or captured = yes"
-        )
-    arrays = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    sigma = arrays.pop("sigma", None)
-    return Rebounds(**arrays, sigma=sigma, notes=tuple(notes))
-
-
-def _file(path: Path, delimiter: str | None, encoding: str | None) -> _Table:
-    """Cells of a text file."""
-    name = path.name
-    lines = [
-        (f"{name}, line {at}", line)
-        for at, line in enumerate(_text(path, encoding).splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith(COMMENTS)
-    ]
-    if not lines:
-        raise ValueError(f"{name}: no header; columns are {', '.join(COLUMNS)}")
-    separator = _separator(*lines[0], delimiter)
-    header, *rows = [(where, _cells(where, line, separator)) for where, line in lines]
-    # Spreadsheets end lines with separators of empty columns.
-    width = max((at for at, cell in enumerate(header[1], 1) if cell), default=0)
-    for where, cells in rows:
-        if len(cells) < width or any(cells[len(header[1]) :]):
-            raise ValueError(
-                f"{where}: {len(cells)} cells, but {len(header[1])} columns in the header"
-            )
-    return _Table(name, header[1], rows)
-
-
-def _text(path: Path, encoding: str | None) -> str:
-    data = path.read_bytes()
-    if data.startswith(b"PK\x03\x04"):
-        raise ValueError(f"{path.name}: must be a text, got a workbook or archive; save it as CSV")
-    try:
-        if encoding:
-            return data.decode(encoding)
-        if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-            return data.decode("utf-16")
-        try:
-            return data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            return data.decode("latin-1")
-    except LookupError:
-        raise ValueError(f"encoding must be one that Python knows, got {encoding!r}") from None
-    except UnicodeDecodeError as error:
-        raise ValueError(
-            f"{path.name}: must be a text in {encoding or 'UTF-16'}, byte {error.start} is not"
-        ) from None
-
-
-def _separator(where: str, header: str, delimiter: str | None) -> str:
-    if delimiter is not None:
-        separator = SEPARATORS.get(delimiter, delimiter)
-        if separator not in SEPARATORS.values():
-            allowed = ", ".join(SEPARATORS)
-            raise ValueError(f"delimiter must be one of {allowed}, got {delimiter!r}")
-        return separator
-    # Of two that part it alike the first: commas also stand in numbers and names.
-    best = max((";", "\t", "|", ","), key=lambda mark: len(_cells(where, header, mark)))
-    return best if len(_cells(where, header, best)) > 1 else " "
-
-
-def _cells(where: str, line: str, separator: str) -> list[str]:
-    if separator == " ":  # any white space, but none before a unit in brackets
-        return re.sub(r"\s+(?=[(\[])", "", line).split()
-    try:
-        row = next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True))
-    except csv.Error as error:
-        raise ValueError(f"{where}: {error}") from None
-    return [cell.strip() for cell in row]
-
-
-def _in_memory(source: Any) -> _Table:
-    """Cells of a data frame or a mapping of arrays."""
-    try:
-        arrays = {str(key): np.ravel(source[key]).tolist() for key in source}
-    except (TypeError, KeyError, IndexError):
-        raise TypeError(
-            f"source must be a file, a data frame or a mapping of arrays, got {source!r}"
-        ) from None
-    lengths = {name: len(values) for name, values in arrays.items()}
-    if len(set(lengths.values())) > 1:
-        listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        raise ValueError(f"data: columns must be of one length, got {listed}")
-    rows = zip(*arrays.values(), strict=True)
-    return _Table(
-        "data", list(arrays), [(f"data, row {at}", [*map(str, row)]) for at, row in enumerate(rows)]
+    table = read_table(
+        source,
+        COLUMNS,
+        units={SPEEDS: unit, SIZES: size_unit},
+        renamed=columns,
+        delimiter=delimiter,
+        decimal=decimal,
+        encoding=encoding,
     )
+    _require_columns(table)
+    sign = _sign(table)
+    spreads = {
+        "sigma": sigma,
+        "sigma_v": _share("sigma_v", sigma_v),
+        "size_scatter": _share("size_scatter", size_scatter),
+    }
+    for column, name in {"sigma": "sigma", "sigma_v": "sigma_v", "sigma_d": "size_scatter"}.items():
+        if column in table.units and spreads[name] is not None:
+            raise ValueError(f"{column} stands in the file; leave out {_flag(name)}")
+    impacts = _Impacts(table, sign, spreads)
+    rows, notes = table.kept(impacts.of, skip_bad_rows=skip_bad_rows)
+    if sign < 0.0:
+        notes.append(f"{table.name}: all speeds v are negative; their amounts are taken")
+    arrays: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    if size_scatter == "free":
+        arrays["size_scatter"] = size_scatter
+    if "sigma" in arrays:
+        arrays["sigma"] = _completed(arrays["sigma"])
+    total = arrays.pop("total")
+    notes += implausible({"normal_speed": arrays["v"], "diameter": arrays.get("d")})
+    if "angle" in arrays:
+        notes += implausible({"angle": arrays.pop("angle").max()})
+    return Rebounds(**arrays, read=_words(table, arrays, total), notes=tuple(notes))
 
 
-def _columns(
-    table: _Table, unit: str | None, renamed: Mapping[str, str]
-) -> tuple[dict[str, int], dict[str, float]]:
-    """Place of each column in the table, and its factor to SI."""
-    if unit is not None and unit not in SPEED_UNITS:
-        raise ValueError(f"unit must be one of {', '.join(SPEED_UNITS)}, got {unit!r}")
-    for column, header in renamed.items():
-        if column not in COLUMNS:
-            allowed = ", ".join(COLUMNS)
-            raise ValueError(f"columns: {column!r} is none of {allowed}{nearest(column, COLUMNS)}")
-        if not any(header in {cell, _split(cell)[0]} for cell in table.header):
-            raise ValueError(
-                f"{table.name}: no column {header!r}{nearest(header, filter(None, table.header))}"
-            )
-    places: dict[str, int] = {}
-    factors: dict[str, float] = {}
-    for at, cell in enumerate(table.header):
-        name, written = _split(cell)
-        chosen = [column for column, header in renamed.items() if header in {cell, name}]
-        # "Sigma" is sigma, but "V" is not "v", and "E" may be a modulus.
-        plain = name if name in COLUMNS or len(name) == 1 else name.lower()
-        if not chosen and (plain not in COLUMNS or plain in renamed):
-            continue
-        for column in chosen or [plain]:
-            if column in places:
-                raise ValueError(f"{table.name}: the column {column} stands there twice")
-            key = f"{column} in %" if column in OF and written == "%" else column
-            places[key], factors[key] = at, _factor(table.name, key, written, unit)
-    if "v" not in factors or ("e" in factors) == ("V" in factors):
+def _require_columns(table: Table) -> None:
+    """Raise ValueError if a column is missing, or two have the same thing."""
+    has = table.units
+    if "v" not in has or ("e" in has) == ("V" in has):
         raise ValueError(
             f"{table.name}: the columns v and either e or V are needed, got "
-            f"{', '.join(map(repr, table.header))}; other names go by "
+            f"{', '.join(map(repr, [*has, *table.ignored]))}; other names go by "
             "--columns v=NAME,e=NAME"
         )
-    return places, factors
+    if "d" in has and "radius" in has:
+        raise ValueError(f"{table.name}: either d or radius must be given, got both")
+    if "sigma_d" in has and has["sigma_d"] != "%" and not {"d", "radius"} & {*has}:
+        raise ValueError(f"{table.name}: sigma_d needs the column d, or is in %: 'sigma_d (%)'")
 
 
-def _split(header: str) -> tuple[str, str]:
-    """Name and unit of a header; the unit is empty where it has none."""
-    match = _HEADER.fullmatch(header.strip())
-    if match is None:
-        return header, ""
-    name, bracketed, written, above, below = match.groups()
-    unit = f"{above}/{below}" if above else (bracketed or written or "")
-    unit = unit.strip("()[] ").replace("µ", "u").replace("μ", "u")
-    return name, re.sub(r"(\w+)[ ·*]?s(?:\^?-1|⁻¹)", r"\1/s", unit)
+def _sign(table: Table) -> float:
+    """-1 if all speeds before impact are negative, as trackers write them."""
+    speeds = [row.numbers["v"] for row in table.rows if "v" in row.numbers]
+    return -1.0 if speeds and max(speeds) < 0.0 else 1.0
 
 
-def _factor(name: str, column: str, written: str, unit: str | None) -> float:
-    allowed = UNITS[column]
-    if allowed is SPEED_UNITS:
-        written = written or unit or "m/s"
-    if written not in allowed:
-        units = ", ".join(filter(None, allowed)) or "none"
-        raise ValueError(f"{name}: the unit of {column} must be one of {units}, got {written!r}")
-    return allowed[written]
+def _flag(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
 
 
-def _decimal(name: str, rows: Iterable[tuple[str, Mapping[str, str]]], decimal: str | None) -> str:
-    """Decimal mark of the numbers."""
-    if decimal is not None:
-        if decimal not in {".", ","}:
-            raise ValueError(f"decimal must be '.' or ',', got {decimal!r}")
-        return decimal
-    numbers = [
-        cell
-        for _, cells in rows
-        for column, cell in cells.items()
-        if column != "captured" and cell.lower() not in MISSING
-    ]
-    commas = [cell for cell in numbers if "," in cell]
-    points = [cell for cell in numbers if "." in cell]
-    if commas and points:
-        raise ValueError(
-            f"{name}: numbers have commas ({commas[0]!r}) and points ({points[0]!r}); give "
-            "--decimal"
+def _share(name: str, text: float | str | None) -> tuple[float, bool] | None:
+    """Spread by an option, and whether it is a share of the whole; None: to be found, or not given.
+
+    Raises ValueError if it is neither.
+    """
+    if text is None or (text == "free" and name == "size_scatter"):
+        return None
+    number, percent, rest = str(text).partition("%")
+    try:
+        value = float(number + rest) * (0.01 if percent else 1.0)
+    except ValueError:
+        value = np.nan
+    share = bool(percent) or name == "size_scatter"
+    # "7" would be 700 %.
+    if not 0.0 <= value < (0.5 if share else np.inf):
+        allowed = (
+            "'1.5%' or a number in m/s" if name == "sigma_v" else "'7%', or 'free', below a half"
         )
-    return "," if commas else "."
+        raise ValueError(f"{_flag(name)} must be as {allowed}, got {text!r}")
+    return value, share
 
 
-def _lacks_numbers(cells: Mapping[str, str]) -> bool:
-    """Whether a number is missing, other than e of a captured sphere."""
-    captured = cells.get("captured", "").lower() in _YES
-    return any(
-        cell.lower() in MISSING
-        for column, cell in cells.items()
-        if column != "captured" and not (captured and column in {"e", "V"})
-    )
+@dataclass(frozen=True, slots=True)
+class _Impacts:
+    """Rows of a table as impacts."""
 
+    table: Table
+    sign: float
+    spreads: Mapping[str, Any]
 
-def _row(
-    where: str, cells: Mapping[str, str], factors: Mapping[str, float], mark: str
-) -> dict[str, float]:
-    """Parse the numbers of a row that `Rebounds` has, in SI units."""
+    @property
+    def after(self) -> str:
+        """Column of what is measured after impact."""
+        return "e" if "e" in self.table.units else "V"
 
-    def value(column: str) -> float:
-        return factors[column] * _number(where, column, cells[column], mark)
+    def of(self, row: Row) -> dict[str, float] | None:
+        """Numbers of an impact, in SI units; None if one is missing.
 
-    said = cells.get("captured", "").lower()
-    if said not in _YES | _NO | MISSING:
-        raise ValueError(f"{where}: captured must be yes or no, got {cells['captured']!r}")
-    v = total = value("v")
-    if v <= 0.0:
-        raise ValueError(f"{where}: v must be positive, got {cells['v']}")
-    if "angle" in cells:
-        angle = value("angle")
+        Raises ValueError if one is out of range.
+        """
+        said = row.cells.get("captured", "").lower()
+        captured = said in _YES or row.numbers.get(self.after) == 0.0
+        needless = {self.after, "sigma"} if captured else set()
+        if any(name not in row.numbers for name in {*self.table.units} - needless):
+            return None
+        if said not in _YES | _NO | MISSING:
+            raise ValueError(f"captured must be yes or no, got {row.cells['captured']!r}")
+        total, v = self._speeds(row)
+        built = {"v": v, "total": total}
+        built |= {name: row.numbers[name] for name in ("angle",) if name in row.numbers}
+        relative = self._relative("v", "sigma_v", row, total, self.spreads["sigma_v"])
+        if relative is not None:
+            built["sigma_v"] = relative * v
+        built |= self._restitution(row, v, relative or 0.0, captured=captured)
+        size = self._size(row)
+        if size is not None:
+            built["d"] = size
+        option = self.spreads["size_scatter"]
+        scatter = self._relative("d", "sigma_d", row, size or 1.0, option)
+        return built if scatter is None else built | {"size_scatter": scatter}
+
+    def _speeds(self, row: Row) -> tuple[float, float]:
+        """Speed before impact, and its normal part, m/s."""
+        total = self.sign * row.numbers["v"]
+        if total <= 0.0:
+            raise ValueError(f"v must be positive, got {row.cells['v']}")
+        angle = row.numbers.get("angle", 90.0)
         if not 0.0 < angle <= 90.0:
             raise ValueError(
-                f"{where}: angle must be above 0 and at most 90 degrees, got {cells['angle']}"
+                f"angle must be above 0 and at most 90 degrees, got {row.cells['angle']}"
             )
-        v *= np.sin(np.radians(angle))
-    captured = said in _YES
-    after = "e" if "e" in cells else "V"
-    e = 0.0 if captured and cells[after].lower() in MISSING else value(after)
-    if after == "V":
-        e = abs(e) / v
-    if captured and e > 0.0:
-        raise ValueError(f"{where}: captured, but {after} is {cells[after]}; it must be 0 or empty")
-    if not 0.0 <= e <= 1.0:
-        percent = "; are these percent? Then the header is 'e (%)'" if 2.0 < e <= 100.0 else ""
-        got = cells[after] + percent if after == "e" else f"V/v = {e:.3g}"
-        raise ValueError(f"{where}: e must be from 0 to 1, got {got}")
-    return {"v": v, "e": e} | _spreads(where, cells, value, v, v / total)
+        return total, total * float(np.sin(np.radians(angle)))
+
+    def _restitution(
+        self, row: Row, v: float, relative: float, *, captured: bool
+    ) -> dict[str, float]:
+        """Restitution and its sigma; nan for that of a captured sphere that has none."""
+        cell = row.cells[self.after]
+        amount = row.numbers.get(self.after, 0.0)
+        e = amount if self.after == "e" else abs(amount) / v
+        if captured:
+            if e > 0.0:
+                raise ValueError(f"captured, but {self.after} is {cell}; it must be 0 or empty")
+            sigma = row.numbers.get("sigma", self.spreads["sigma"]) or None
+            has = sigma is not None or "sigma" in self.table.units
+        else:
+            sigma = row.numbers.get("sigma", self.spreads["sigma"])
+            has = sigma is not None
+        if sigma is not None and not 0.0 < sigma < 1.0:
+            got = row.cells.get("sigma", sigma)
+            raise ValueError(f"sigma must be above 0 and below 1, got {got}")
+        if sigma is not None and self.after == "V":
+            sigma = float(np.hypot(sigma, e * relative))
+        if not 0.0 <= e <= 1.0 + NOISE * (sigma or 0.0):
+            percent = "; are these percent? Then the header is 'e (%)'" if 2.0 < e <= 100.0 else ""
+            got = cell + percent if self.after == "e" else f"V/v = {e:.3g}"
+            noise = f", or above by at most {NOISE:g} sigma" if has else ""
+            raise ValueError(f"e must be from 0 to 1{noise}, got {got}")
+        return {"e": e} | ({"sigma": np.nan if sigma is None else sigma} if has else {})
+
+    def _size(self, row: Row) -> float | None:
+        """Diameter, m; raises ValueError if it can hardly be meant."""
+        name = next((name for name in ("d", "radius") if name in row.numbers), None)
+        if name is None:
+            return None
+        size = row.numbers[name] * (2.0 if name == "radius" else 1.0)
+        if size <= 0.0:
+            raise ValueError(f"{name} must be positive, got {row.cells[name]}")
+        if name not in self.table.stated and [*implausible({"diameter": size})]:
+            low, high, *_ = PLAUSIBLE["diameter"]
+            raise ValueError(
+                f"{name} must be from {low:g} to {high:g} m where no unit is stated, got "
+                f"{row.cells[name]}; give --size-unit"
+            )
+        return size
+
+    def _relative(
+        self, whole: str, name: str, row: Row, amount: float, option: tuple[float, bool] | None
+    ) -> float | None:
+        """Standard deviation over the whole, by its column or by an option."""
+        if name in row.numbers:
+            value, share = row.numbers[name], self.table.units[name] == "%"
+        elif option is not None:
+            value, share = option
+        else:
+            return None
+        relative = value / (1.0 if share else amount)
+        if not 0.0 <= relative < 0.5:
+            got = row.cells.get(name, f"{relative:.3g} of it")
+            raise ValueError(f"{name} must be from 0 to half of {whole}, got {got}")
+        return relative
 
 
-def _spreads(
-    where: str,
-    cells: Mapping[str, str],
-    value: Callable[[str], float],
-    v: float,
-    normal: float,
-) -> dict[str, float]:
-    """Parse sigma, sigma_v and the diameter of a row, of which v is the normal speed.
-
-    ``normal`` is the share of that in the speed as it stands.
-    """
-    numbers = {name: value(name) for name in ("sigma", "d") if name in cells}
-    for name, below in (("sigma", 1.0), ("d", np.inf)):
-        if not 0.0 < numbers.get(name, 0.5) < below:
-            least = "positive" if name == "d" else "above 0 and below 1"
-            raise ValueError(f"{where}: {name} must be {least}, got {cells[name]}")
-    wholes = {"sigma_v": v / normal, "sigma_d": numbers.get("d", 1.0)}
-    for column in cells:
-        name = column.removesuffix(" in %")
-        if name in wholes:
-            relative = value(column) / (wholes[name] if column == name else 1.0)
-            if not 0.0 <= relative < 0.5:
-                raise ValueError(
-                    f"{where}: {name} must be from 0 to half of {OF[name]}, got {cells[column]}"
-                )
-            key, unit = ("sigma_v", v) if name == "sigma_v" else ("size_scatter", 1.0)
-            numbers[key] = unit * relative
-    return numbers
+def _completed(sigma: FloatArray) -> FloatArray | None:
+    """Standard deviations, where a captured sphere has none the median one."""
+    known = np.isfinite(sigma)
+    return np.where(known, sigma, np.median(sigma[known])) if np.any(known) else None
 
 
-def _number(where: str, column: str, cell: str, mark: str) -> float:
-    try:
-        number = float(cell.translate({ord(mark): ".", ord(_OTHER[mark]): "?"}))
-    except ValueError:
-        number = np.nan
-    if not np.isfinite(number):
-        raise ValueError(f"{where}: {column} must be a number, got {cell!r}")
-    return number
+def _words(table: Table, arrays: Mapping[str, Any], total: FloatArray) -> str:
+    """What was read, in a line."""
+    v, e, d = arrays["v"], arrays["e"], arrays.get("d")
+    unit = table.units["v"] + ("" if "v" in table.stated else ", which is not stated")
+    angles = "v times the sine of the angle" if np.any(v != total) else "no angles"
+    sizes = "no sizes" if d is None else f"diameters {1e6 * d.min():.4g} to {1e6 * d.max():.4g} um"
+    return (
+        f"{table.name}: {v.size} rows, {np.count_nonzero(e == 0.0)} captured; v in {unit}; "
+        f"normal speeds {v.min():.4g} to {v.max():.4g} m/s ({angles}); {sizes}"
+    )
