@@ -75,6 +75,9 @@ COLUMNS = {
     "captured": Column(),
     "angle": Column(units=ANGLE_UNITS),
 }
+# Restitutions of a code, by the cases of `microimpact.model.reference`; above `MOST` none is e.
+CASES = {"case": Column(), "v": BEFORE, "e": RESTITUTION}
+MOST = 2.0
 _YES, _NO = {"yes", "true", "1", "captured"}, {"no", "false", "0", "rebound"}
 # What the functions of fits take.
 _ARGUMENTS = ("v", "e", "sigma", "sigma_v", "d", "size_scatter")
@@ -184,7 +187,7 @@ def read_rebounds(
         source,
         COLUMNS,
         units={SPEEDS: unit, SIZES: size_unit},
-        renamed=columns,
+        columns=columns,
         delimiter=delimiter,
         decimal=decimal,
         encoding=encoding,
@@ -197,10 +200,13 @@ def read_rebounds(
         "size_scatter": _share("size_scatter", size_scatter),
     }
     for column, name in {"sigma": "sigma", "sigma_v": "sigma_v", "sigma_d": "size_scatter"}.items():
-        if column in table.units and spreads[name] is not None:
+        if column in table.columns and spreads[name] is not None:
             raise ValueError(f"{column} stands in the file; leave out {_flag(name)}")
     impacts = _Impacts(table, sign, spreads)
     rows, notes = table.kept(impacts.of, skip_bad_rows=skip_bad_rows)
+    if table.ignored:
+        unused = ", ".join(map(repr, table.ignored))
+        notes.insert(0, f"{table.name}: columns not used: {unused}")
     if sign < 0.0:
         notes.append(f"{table.name}: all speeds v are negative; their amounts are taken")
     arrays: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
@@ -217,7 +223,7 @@ def read_rebounds(
 
 def _require_columns(table: Table) -> None:
     """Raise ValueError if a column is missing, or two have the same thing."""
-    has = table.units
+    has = table.columns
     if "v" not in has or ("e" in has) == ("V" in has):
         raise ValueError(
             f"{table.name}: the columns v and either e or V are needed, got "
@@ -226,7 +232,7 @@ def _require_columns(table: Table) -> None:
         )
     if "d" in has and "radius" in has:
         raise ValueError(f"{table.name}: either d or radius must be given, got both")
-    if "sigma_d" in has and has["sigma_d"] != "%" and not {"d", "radius"} & {*has}:
+    if table.units.get("sigma_d", "%") != "%" and not {"d", "radius"} & {*has}:
         raise ValueError(f"{table.name}: sigma_d needs the column d, or is in %: 'sigma_d (%)'")
 
 
@@ -334,8 +340,7 @@ class _Impacts:
         if sigma is not None and self.after == "V":
             sigma = float(np.hypot(sigma, e * relative))
         if not 0.0 <= e <= 1.0 + NOISE * (sigma or 0.0):
-            percent = "; are these percent? Then the header is 'e (%)'" if 2.0 < e <= 100.0 else ""
-            got = cell + percent if self.after == "e" else f"V/v = {e:.3g}"
+            got = cell + _percent(e) if self.after == "e" else f"V/v = {e:.3g}"
             noise = f", or above by at most {NOISE:g} sigma" if has else ""
             raise ValueError(f"e must be from 0 to 1{noise}, got {got}")
         return {"e": e} | ({"sigma": np.nan if sigma is None else sigma} if has else {})
@@ -373,6 +378,10 @@ class _Impacts:
         return relative
 
 
+def _percent(e: float) -> str:
+    return "; are these percent? Then the header is 'e (%)'" if 2.0 < e <= 100.0 else ""
+
+
 def _completed(sigma: FloatArray) -> FloatArray | None:
     """Standard deviations, where a captured sphere has none the median one."""
     known = np.isfinite(sigma)
@@ -389,3 +398,56 @@ def _words(table: Table, arrays: Mapping[str, Any], total: FloatArray) -> str:
         f"{table.name}: {v.size} rows, {np.count_nonzero(e == 0.0)} captured; v in {unit}; "
         f"normal speeds {v.min():.4g} to {v.max():.4g} m/s ({angles}); {sizes}"
     )
+
+
+def read_cases(
+    source: Path | str | Mapping[str, Any],
+    unit: str | None = None,
+    *,
+    skip_bad_rows: bool = False,
+    **reading: Any,
+) -> tuple[dict[str, tuple[FloatArray, FloatArray]], list[str]]:
+    """Read restitutions that a code computed: a table with the columns `CASES`.
+
+    Parameters
+    ----------
+    source, unit, skip_bad_rows, **reading
+        As of `read_rebounds`.
+
+    Returns
+    -------
+    cases
+        Normal speeds in m/s and restitutions, (n,) each, by the name of the case.
+    notes
+        What was left out, a sentence each.
+
+    Raises
+    ------
+    OSError, ValueError
+        As of `read_rebounds`.
+    """
+    table = read_table(source, CASES, units={SPEEDS: unit}, **reading)
+    if lacking := [name for name in CASES if name not in table.columns]:
+        raise ValueError(
+            f"{table.name}: the columns {', '.join(CASES)} are needed, got "
+            f"{', '.join(map(repr, [*table.columns, *table.ignored]))}; no {', '.join(lacking)}"
+        )
+
+    def built(row: Row) -> tuple[str, float, float] | None:
+        if {*row.numbers} < {"v", "e"}:
+            return None
+        (v, e), case = (row.numbers[name] for name in ("v", "e")), row.cells["case"]
+        if not case:
+            raise ValueError("case must be a name, got none")
+        if v <= 0.0:
+            raise ValueError(f"v must be positive, got {row.cells['v']}")
+        if not 0.0 <= e < MOST:
+            raise ValueError(f"e must be from 0 to {MOST:g}, got {row.cells['e']}{_percent(e)}")
+        return case, v, e
+
+    rows, notes = table.kept(built, skip_bad_rows=skip_bad_rows)
+    cases: dict[str, list[tuple[float, float]]] = {}
+    for case, v, e in rows:
+        cases.setdefault(case, []).append((v, e))
+    arrays = {case: np.array(pairs).T for case, pairs in cases.items()}
+    return {case: (v, e) for case, (v, e) in arrays.items()}, notes

@@ -87,8 +87,10 @@ class Table:
     ----------
     name
         Of the file.
+    columns
+        Columns that it has, of those looked for.
     units
-        Unit of each column.
+        Unit of each column of numbers.
     stated
         Columns whose unit was given, by the header, a row of units, an option or a neighbour.
     rows, bad
@@ -98,6 +100,7 @@ class Table:
     """
 
     name: str
+    columns: Sequence[str]
     units: Mapping[str, str]
     stated: frozenset[str]
     rows: Sequence[Row]
@@ -145,8 +148,6 @@ class Table:
             )
         if not built:
             raise ValueError("; ".join([f"{self.name}: no data below the header", *notes]))
-        if self.ignored:
-            notes.insert(0, f"{self.name}: columns not used: {', '.join(map(repr, self.ignored))}")
         return built, notes
 
 
@@ -156,10 +157,10 @@ def _listed(words: Sequence[str], between: str) -> str:
 
 def read_table(
     source: Path | str | Mapping[str, Any],
-    columns: Mapping[str, Column],
+    wanted: Mapping[str, Column],
     *,
     units: Mapping[str, str | None],
-    renamed: Mapping[str, str] | None = None,
+    columns: Mapping[str, str] | None = None,
     delimiter: str | None = None,
     decimal: str | None = None,
     encoding: str | None = None,
@@ -171,11 +172,11 @@ def read_table(
     source
         The file or the table. Lines that begin with ``#`` or ``%`` are comments. The first row may
         hold the units.
-    columns
+    wanted
         Columns that are looked for, by their names.
     units
         Units by kind where the header has none; None: not given.
-    renamed
+    columns
         Headers in the source by the names of columns.
     delimiter, decimal, encoding
         As of `microimpact.measured.rebounds.read_rebounds`.
@@ -193,7 +194,7 @@ def read_table(
     else:
         name, header, rows = _in_memory(source)
         decimal = "."
-    places, stated = _places(name, header, columns, renamed or {}, given)
+    places, stated = _places(name, header, wanted, columns or {}, given)
     width = max((at for at, cell in enumerate(header, 1) if cell), default=0)
     named, bad = [], []
     for where, cells in rows:
@@ -202,19 +203,19 @@ def read_table(
             bad.append(f"{where}: {len(cells)} cells, but {len(header)} columns in the header")
         else:
             named.append((where, {column: cells[at] for column, at in places.items()}))
-    numeric = [column for column in places if columns[column].units]
-    if named and (below := _row_of_units(name, *named[0], numeric, columns)):
+    numeric = [column for column in places if wanted[column].units]
+    if named and (below := _row_of_units(name, *named[0], numeric, wanted)):
         if twice := [each for each in below if stated.get(each, below[each]) != below[each]]:
             raise ValueError(f"{name}: the units of {', '.join(twice)} must be the same twice")
         stated |= below
         named = named[1:]
     mark = _decimal(name, [cells[c] for _, cells in named for c in numeric], decimal)
-    found, known = _units(numeric, columns, stated, given)
+    found, known = _units(numeric, wanted, stated, given)
     built = []
     for where, cells in named:
         try:
             numbers = {
-                column: number * columns[column].units[found[column]]
+                column: number * wanted[column].units[found[column]]
                 for column in numeric
                 if (number := _number(column, cells[column], mark)) is not None
             }
@@ -223,7 +224,7 @@ def read_table(
         else:
             built.append(Row(where, cells, numbers))
     ignored = [cell for at, cell in enumerate(header) if cell and at not in places.values()]
-    return Table(name, found, known, built, bad, ignored)
+    return Table(name, [*places], found, known, built, bad, ignored)
 
 
 def _file(

@@ -1,0 +1,381 @@
+"""Options that make a contact, for all commands alike, and the contact that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import wraps
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from microimpact.cli.output import Option, number
+from microimpact.core.materials import Material, read_materials
+from microimpact.core.nearest import nearest
+from microimpact.model.choices import CALIBRATED, INTERVAL, STIFFNESS_MODELS
+from microimpact.model.contact_laws import NAMES as LAW_NAMES
+from microimpact.model.contact_laws import RING_FORCE, named_law
+
+if TYPE_CHECKING:
+    from microimpact.model.contact import Contact
+    from microimpact.model.contact_laws import ContactLaw
+
+# Diameters that differ by less than this share are one.
+SAME_SIZE = 0.01
+Command = Callable[..., None]
+ROLES = ("particle", "surface")
+NOTHING: Mapping[str, float] = {}
+# What a contact that is not declared needs.
+NEEDED = ("diameter", "work_of_adhesion", "hertz_damping", "adhesion_damping")
+DAMPING = ("ring_force", "hertz_damping", "adhesion_damping", "adhesion_rate_exponent")
+SIZES = ("diameter", "partner_diameter")
+
+# Fields of a contact, of its bodies and of its law: option, factor to SI units, and words.
+NUMBERS = {
+    "diameter": ("diameter-um", 1e-6, "Diameter, um; default: the pair's."),
+    "partner_diameter": (
+        *("partner-diameter-um", 1e-6),
+        "Diameter of a second, free sphere in place of the surface, um.",
+    ),
+    "work_of_adhesion": ("work-of-adhesion", 1.0, "w_A, J/m2."),
+    "ring_force": ("ring-force", 1.0, "f_0, N/m, in place of w_A."),
+    "hertz_damping": ("hertz-damping", 1.0, "c_H, s/m."),
+    "adhesion_damping": ("adhesion-damping", 1.0, "c_A, s/m."),
+    "adhesion_rate_exponent": ("adhesion-rate-exponent", 1.0, "n in c_A (v_N/v_n)^n."),
+    "reference_velocity": ("reference-velocity", 1.0, "v_N, m/s."),
+    "friction": ("friction", 1.0, "Coulomb coefficient f."),
+} | {
+    f"{role}.{name}": (f"{role}-{flag}", factor, f"Of the {role}: {words}.")
+    for role in ROLES
+    for name, flag, factor, words in (
+        ("youngs_modulus", "youngs-modulus-gpa", 1e9, "E, GPa"),
+        ("poissons_ratio", "poissons-ratio", 1.0, "nu"),
+        ("density", "density", 1.0, "kg/m3"),
+    )
+}
+LAW_NUMBERS = {
+    "law.viscous_time": ("viscous-time-ns", 1e-9, "Of jkr: relaxation time A of the bulk, ns."),
+    "law.yield_pressure": ("yield-pressure-gpa", 1e9, "Of thornton-ning: p_y, GPa."),
+    "law.unloading_work": ("unloading-work", 1.0, "Of hysteresis: work of separation, J/m2."),
+}
+_ALL = NUMBERS | LAW_NUMBERS
+_WORDS = ("particle", "surface", "file", "materials", "law", "stiffness_model")
+
+
+def contact_options(command: Command) -> Command:
+    """Give a command the options that make a contact, as ``pair``, and ``--json``."""
+    contact, laws = {"group": "Contact"}, {"group": "Law of the normal force"}
+    options = (
+        click.option("--particle", cls=Option, help="Material of the sphere.", **contact),
+        click.option("--surface", cls=Option, help="Material of the surface.", **contact),
+        click.option(
+            *("--contact", "file"),
+            cls=Option,
+            help="Contacts that 'microimpact calibrate' wrote.",
+            **contact,
+        ),
+        *(
+            click.option(f"--{flag}", cls=Option, type=float, help=words, **contact)
+            for flag, _, words in NUMBERS.values()
+        ),
+        click.option(
+            *("--materials",),
+            cls=Option,
+            help="CSV of own materials, as config/materials.csv.",
+            **contact,
+        ),
+        click.option(
+            *("--stiffness-model",),
+            cls=Option,
+            type=click.Choice(STIFFNESS_MODELS),
+            help=f"Stiffness K of the bodies; default {STIFFNESS_MODELS[0]}.",
+            **contact,
+        ),
+        click.option(
+            *("--law",),
+            cls=Option,
+            type=click.Choice(LAW_NAMES),
+            help=f"Default {RING_FORCE}; the others have losses of their own.",
+            **laws,
+        ),
+        *(
+            click.option(f"--{flag}", cls=Option, type=float, help=words, **laws)
+            for flag, _, words in LAW_NUMBERS.values()
+        ),
+        click.option("--json", "as_json", is_flag=True, help="JSON in SI units; infinity is null."),
+    )
+
+    @wraps(command)
+    def with_pair(**options: Any) -> None:
+        given = {name: options.pop(flag.replace("-", "_")) for name, (flag, *_) in _ALL.items()}
+        numbers = {
+            name: _ALL[name][1] * value for name, value in given.items() if value is not None
+        }
+        words = {name: options.pop(name) for name in _WORDS}
+        command(**options, pair=Pair(**words, numbers=numbers))
+
+    wrapped: Command = with_pair
+    for option in reversed(options):
+        wrapped = option(wrapped)
+    return wrapped
+
+
+def flags(names: Sequence[str]) -> str:
+    """Options of fields, as text."""
+    return ", ".join(
+        f"--{_ALL[name][0] if name in _ALL else name.replace('_', '-')}" for name in names
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chosen:
+    """The contact that the options make.
+
+    Attributes
+    ----------
+    contacts
+        The contact, by its law; from a file of draws, arrays of shape (draws, 1) by each law.
+    bests
+        The best draws, or the contact itself.
+    replaced
+        Properties of the declared pair that options replaced.
+    measured
+        Diameter at which draws were calibrated, m; None for a contact that is no draw.
+    """
+
+    contacts: Mapping[str, Contact]
+    bests: Mapping[str, Contact]
+    replaced: Sequence[str] = ()
+    measured: float | None = None
+
+    @property
+    def best(self) -> Contact:
+        """The best draw by the heaviest law, or the contact itself."""
+        return next(iter(self.bests.values()))
+
+    @property
+    def draws(self) -> int:
+        """Number of draws, 0 for one contact."""
+        shapes = [contact.shape for contact in self.contacts.values()]
+        return sum(int(np.prod(shape)) for shape in shapes if shape)
+
+    def of_all(self, quantity: Callable[[Contact], Any]) -> Any:
+        """Return a quantity of all draws, joined along the first axis."""
+        values = [quantity(contact) for contact in self.contacts.values()]
+        return np.concatenate(values) if len(values) > 1 else values[0]
+
+    def doubts(self) -> Iterator[str]:
+        """Say that draws are extrapolated to another diameter, and how their laws disagree."""
+        from microimpact.model.dynamics.capture import capture_velocity
+
+        size = float(self.best.diameter)
+        if self.measured is None or abs(size / self.measured - 1.0) < SAME_SIZE:
+            return
+        limits = [
+            f"{number(middle)} ({number(low)} to {number(high)}) by {law}"
+            for law, contact in self.contacts.items()
+            for low, middle, high in [quantiles(capture_velocity(contact))]
+        ]
+        yield (
+            f"the contacts were calibrated at {self.measured * 1e6:g} um and are extrapolated to "
+            f"{size * 1e6:g} um, each by its law: v_c = {'; '.join(limits)} m/s"
+        )
+
+    def title(self) -> str:
+        """Pair and parameters, and a line on draws or on numbers that are not the declared ones."""
+        contact = self.best
+        title = (
+            f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um"
+            f"{f' on {contact.partner_diameter * 1e6:g} um' if contact.is_pair else ''}: "
+            f"w_A = {contact.work_of_adhesion:.4g} J/m2, "
+        )
+        if contact.law is None:
+            title += (
+                f"c_H = {contact.hertz_damping:.4g} s/m, c_A = {contact.adhesion_damping:.4g} s/m, "
+                f"n = {contact.adhesion_rate_exponent:.4g}"
+            )
+        else:
+            parameters = contact.law.parameters.items()
+            title += f"{contact.law.name}, {', '.join(f'{k} = {v:.4g}' for k, v in parameters)}"
+        if self.draws:
+            parts = [f"{c.shape[0]} by {law}" for law, c in self.contacts.items() if c.shape]
+            laws = f", {', '.join(parts)}" if len(parts) > 1 else ""
+            return f"{title}\nThe best of {self.draws} contacts{laws}; intervals hold 95 % of them."
+        if not self.replaced:
+            return title
+        kept = ", ".join(name for name in CALIBRATED[:4] if name not in self.replaced)
+        changes = ", ".join(self.replaced)
+        return f"{title}\nNo longer the declared contact: {changes} by option, {kept} as declared."
+
+    def inputs(self) -> dict[str, Any]:
+        """All parameters in SI units, from which the answer can be computed again."""
+        contact = self.best
+        inputs: dict[str, Any] = {role: asdict(getattr(contact, role)) for role in ROLES}
+        laws = {law: _fields_of(each) for law, each in self.contacts.items()}
+        inputs |= {"laws": laws} if len(laws) > 1 else next(iter(laws.values()))
+        if contact.is_pair:
+            inputs["partner_diameter"] = contact.partner_diameter
+        return inputs | {"stiffness_model": contact.stiffness_model}
+
+
+def _fields_of(contact: Contact) -> dict[str, Any]:
+    """Numbers of a contact in SI units, and its law if that is not the ring force."""
+    numbers = {
+        name: None if (value := getattr(contact, name)) is None else np.squeeze(value)
+        for name in ("diameter", "friction", "ring_force", *CALIBRATED)
+    }
+    if contact.law is None:
+        return numbers
+    parameters = {name: np.squeeze(value) for name, value in contact.law.parameters.items()}
+    return numbers | {"law": contact.law.name} | parameters
+
+
+def quantiles(values: Any) -> tuple[float, float, float]:
+    """Ends and middle of the 95 % interval of values."""
+    low, middle, high = np.quantile(values, INTERVAL, method="nearest").tolist()
+    return low, middle, high
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pair:
+    """What the options say of a contact.
+
+    Attributes
+    ----------
+    particle, surface
+        Names of the materials.
+    file
+        Contacts as `measured.contacts.write_contacts` writes them: all but the diameter.
+    materials
+        CSV of own materials.
+    law, stiffness_model
+        Words of the model; None: the usual ones.
+    numbers
+        Fields in SI units, as of `NUMBERS` and `LAW_NUMBERS`.
+    """
+
+    particle: str | None = None
+    surface: str | None = None
+    file: str | None = None
+    materials: str | None = None
+    law: str | None = None
+    stiffness_model: str | None = None
+    numbers: Mapping[str, float] = field(default_factory=dict)
+
+    def contact(self, found: Mapping[str, float] = NOTHING) -> Chosen:
+        """Return the contact.
+
+        Parameters
+        ----------
+        found
+            Fields that need not be given, since they are to be found, with a first value.
+
+        Raises
+        ------
+        OSError, ValueError
+            If a file cannot be read, or the options do not suffice or contradict each other.
+        """
+        if self.file is not None:
+            return self._from_file(self.file)
+        if self.particle is None or self.surface is None:
+            raise ValueError("give --particle and --surface, or --contact")
+        from microimpact.core.declared import materials
+        from microimpact.model.contact import Contact
+        from microimpact.model.declared import contacts
+
+        known = {**materials, **(read_materials(self.materials) if self.materials else {})}
+        law, name = self._law(), f"{self.particle} on {self.surface}"
+        fields: dict[str, Any] = {
+            **found,
+            **{k: v for k, v in self.numbers.items() if "." not in k},
+        }
+        if self.stiffness_model is not None:
+            fields["stiffness_model"] = self.stiffness_model
+        if law is not None:  # its losses take the place of any damping
+            fields |= {"hertz_damping": 0.0, "adhesion_damping": 0.0}
+        self._require_enough(known, contacts, fields)
+        fields |= {
+            role: _body(role, material, known.get(material), self._of(role))
+            for role, material in zip(ROLES, (self.particle, self.surface), strict=True)
+        }
+        contact = contacts[name].replace(**fields) if name in contacts else Contact(**fields)
+        if law is not None:
+            contact = contact.by_law(law, contact.work_of_adhesion or 0.0)
+        whole = {RING_FORCE if law is None else law.name: contact}
+        replaced = []
+        if law is None and name in contacts:
+            replaced = [k.replace(".", "_") for k in self.numbers if k not in SIZES]
+        return Chosen(contacts=whole, bests=whole, replaced=replaced)
+
+    def _require_enough(
+        self, known: Mapping[str, Material], declared: Collection[str], fields: Collection[str]
+    ) -> None:
+        """Raise ValueError that names all options that bodies and pair lack."""
+        reasons, lacking = [], []
+        for role, material in zip(ROLES, (self.particle, self.surface), strict=True):
+            needed = [k for k in NUMBERS if k.startswith(f"{role}.") and k not in self.numbers]
+            if needed and material not in known:
+                reasons.append(
+                    f"the material {material!r} is not declared{nearest(material, known)}"
+                )
+                lacking += needed
+        name, swapped = f"{self.particle} on {self.surface}", f"{self.surface} on {self.particle}"
+        has = {*fields, *(["work_of_adhesion"] if "ring_force" in fields else [])}
+        needed = [key for key in NEEDED if key not in has]
+        if needed and name not in declared:
+            near = nearest(name, [swapped]) if swapped in declared else ""
+            reasons.append(f"the pair {name!r} is not declared{near}")
+            lacking += needed
+        if lacking:
+            raise ValueError("; ".join([*reasons, f"give {flags(lacking)}"]))
+
+    def _of(self, whose: str) -> dict[str, float]:
+        """Numbers of a body, or of the law, by their own names."""
+        parts = ((*name.partition("."), value) for name, value in self.numbers.items())
+        return {name: value for owner, _, name, value in parts if owner == whose and name}
+
+    def _law(self) -> ContactLaw | None:
+        """Law of the normal force; None is the ring force.
+
+        Raises ValueError if a parameter is missing, or of another law.
+        """
+        name, parameters = self.law or RING_FORCE, self._of("law")
+        foreign = [key for key in DAMPING if key in self.numbers]
+        if name != RING_FORCE and foreign:
+            raise ValueError(f"--law {name} has losses of its own; leave out {flags(foreign)}")
+        try:
+            return named_law(name, parameters)
+        except ValueError as error:
+            if parameters:
+                raise
+            own = [key for key, (_, _, words) in LAW_NUMBERS.items() if name in words]
+            raise ValueError(f"{error}: give {flags(own)}") from None
+
+    def _from_file(self, file: str) -> Chosen:
+        """Contacts of a file, at other diameters if these are given."""
+        from microimpact.measured.contacts import read_contacts
+        from microimpact.model.contact import resized
+
+        contacts, bests = read_contacts(file)
+        excess = [name for name in self.numbers if name not in SIZES]
+        excess = [n for n in _WORDS if n != "file" and getattr(self, n) is not None] + excess
+        if excess:
+            raise ValueError(
+                "--contact holds the whole contact, but the diameter may change; leave out "
+                f"{flags(excess)}"
+            )
+        measured = float(next(iter(bests.values())).diameter)
+        contacts, bests = (
+            {law: resized(contact, **self.numbers) for law, contact in by_law.items()}
+            for by_law in (contacts, bests)
+        )
+        return Chosen(contacts=contacts, bests=bests, measured=measured)
+
+
+def _body(role: str, name: str, known: Material | None, given: Mapping[str, Any]) -> Material:
+    """Material of a body, with the properties that options give."""
+    try:
+        return Material(name=name, **given) if known is None else replace(known, **given)
+    except ValueError as error:
+        raise ValueError(f"--{role} {name!r}: {error}") from None
