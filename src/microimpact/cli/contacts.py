@@ -14,10 +14,10 @@ import numpy as np
 from microimpact.cli.options import Pair, contact_options, quantiles
 from microimpact.cli.output import (
     Command,
-    Option,
     Sweep,
     echo,
     number,
+    option,
     print_json,
     print_table,
     warn,
@@ -59,10 +59,9 @@ _SYMBOLS = {
     "reference_velocity": "v_N",
     "friction": "f",
 }
-_basis_option = click.option(
+_basis_option = option(
+    "Impact",
     "--friction-basis",
-    cls=Option,
-    group="Impact",
     type=click.Choice((*FRICTION_BASES, "pull-off")),
     default=FRICTION_BASES[0],
     show_default=True,
@@ -70,25 +69,27 @@ _basis_option = click.option(
 )
 
 
-def _of_impact(flag: str, **settings: Any) -> Any:
-    return click.option(flag, cls=Option, group="Impact", **settings)
-
-
 @click.command("simulate", cls=Command, short_help="One impact, or a sweep.")
-@_of_impact("--speed", type=Sweep(), required=True, help="Before impact, m/s.")
-@_of_impact("--angle", type=Sweep(), default="90", help="From the surface, degrees; default 90.")
-@_of_impact("--spin", type=Sweep(), default="0", help="Before impact, rad/s; default 0.")
-@_of_impact("--partner-spin", type=float, default=0.0, help="Of a second sphere, rad/s.")
+@option("Impact", "--speed", type=Sweep(), required=True, help="Before impact, m/s.")
+@option(
+    "Impact", "--angle", type=Sweep(), default="90", help="From the surface, degrees; default 90."
+)
+@option("Impact", "--spin", type=Sweep(), default="0", help="Before impact, rad/s; default 0.")
+@option("Impact", "--partner-spin", type=float, default=0.0, help="Of a second sphere, rad/s.")
 @_basis_option
-@_of_impact(
+@option(
+    "Impact",
     "--tangential",
     type=click.Choice(TANGENTIAL_LAWS),
     default=TANGENTIAL_LAWS[0],
     show_default=True,
     help="Compliance along the surface.",
 )
-@_of_impact(
-    "--yield-strength-mpa", type=float, help="Of the softer body, MPa: warns of impacts beyond."
+@option(
+    "Impact",
+    "--yield-strength-mpa",
+    type=float,
+    help="Of the softer body, MPa: warns of impacts beyond.",
 )
 @contact_options
 def simulate_command(
@@ -270,7 +271,7 @@ def export_command(
     from microimpact.model.plausibility import doubts
 
     if diameters_um is not None and "diameter" not in pair.numbers:
-        pair = replace(pair, numbers=pair.numbers | {"diameter": 1e-6 * diameters_um[0]})
+        pair = replace(pair, numbers={**pair.numbers, "diameter": 1e-6 * diameters_um[0]})
     chosen = pair.contact()
     require_writable(f"{output}/law")
     warn(chosen.doubts())

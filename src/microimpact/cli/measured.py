@@ -13,9 +13,9 @@ import numpy as np
 from microimpact.cli.options import Pair, contact_options, flags, quantiles
 from microimpact.cli.output import (
     Command,
-    Option,
     echo,
     number,
+    option,
     patience,
     print_json,
     print_table,
@@ -29,7 +29,6 @@ from microimpact.model.contact_laws import RING_FORCE
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
-    from microimpact.model.empirical.comparison import Comparison
 
 SYMBOLS = dict(zip(("w_A", "c_H", "c_A", "n"), CALIBRATED[:4], strict=True))
 # First values of what a calibration finds.
@@ -74,9 +73,8 @@ def table_options(words: Mapping[str, str]) -> Callable[[Callable[..., None]], C
             command(**options, reading=reading | {"columns": columns})
 
         wrapped: Callable[..., None] = with_reading
-        for flag, text in reversed(words.items()):
-            more = {"cls": Option, "group": "Data", "help": text} | types.get(flag, {})
-            wrapped = click.option(flag, **more)(wrapped)
+        for flag in reversed([*words]):
+            wrapped = option("Data", flag, help=words[flag], **types.get(flag, {}))(wrapped)
         return wrapped
 
     return decorate
@@ -118,17 +116,19 @@ def fit_command(
     from microimpact.model.empirical.comparison import compare_models
 
     if plot:
-        from microimpact.measured.picture import draw, require_format
+        from microimpact.measured.picture import require_format
 
         require_format(plot)
         require_writable(plot)
-    measured = _measured(data, reading, quiet=as_json)
+    measured = _measured(data, reading)
     with patience(
         f"fitting {measured.v.size} points; with errors of speed or size this takes minutes"
     ):
         comparison = compare_models(**measured, confidence=confidence, models=models or None)
     warn(implausible({"capture_velocity": comparison.v_c}))
     if plot:
+        from microimpact.measured.picture import draw
+
         draw(measured, comparison, plot)
     if as_json:
         numbers = ("free", "v_c", "interval", "chi_square", "criterion", "weight")
@@ -151,8 +151,7 @@ def fit_command(
             }
         )
         return
-    echo(comparison.summary())
-    _print_sigma(comparison)
+    echo(f"{measured.read}\n{comparison.summary()}")
     warn(comparison.warnings)
 
 
@@ -194,29 +193,22 @@ def calibrate_command(
     if data is None:
         contact = two_stage(pair.contact(DAMPING).best, *targets).contact
         contacts = bests = {RING_FORCE: contact}
-        _print_contacts(contacts, bests, {RING_FORCE: 1.0}, as_json=as_json, file=output)
+        _print_contacts(contacts, bests, {RING_FORCE: 1.0}, "", as_json=as_json, file=output)
     else:
-        measured = _measured(data, reading, quiet=as_json)
+        measured = _measured(data, reading)
         start = _bodies(pair)
         with patience("drawing contacts by law; errors of speed or size take minutes"):
             drawn = calibrate_laws(start, **measured, draws=draws, seed=seed)
         contacts, bests = dict(drawn.contacts), dict(drawn.best)
         weights = {model.name: model.weight for model in drawn.comparison.models}
-        _print_contacts(contacts, bests, weights, as_json=as_json, file=output)
+        _print_contacts(contacts, bests, weights, measured.read, as_json=as_json, file=output)
         if not as_json:
             echo(drawn.summary())
-            _print_sigma(drawn.comparison)
         warn((*implausible({"capture_velocity": drawn.comparison.v_c}), *drawn.warnings))
     if output:
         write_contacts(output, contacts, bests)
         if not as_json:
             echo(f"Written: {output}")
-
-
-def _print_sigma(comparison: Comparison) -> None:
-    """Print sigma of e where it was estimated."""
-    if comparison.sigma is not None:
-        echo(f"sigma of e is not given; estimated: {number(comparison.sigma)}.")
 
 
 def _bodies(pair: Pair) -> Contact:
@@ -232,6 +224,7 @@ def _print_contacts(
     contacts: Mapping[str, Contact],
     bests: Mapping[str, Contact],
     weights: Mapping[str, float],
+    read: str,
     *,
     as_json: bool,
     file: str | None,
@@ -258,8 +251,11 @@ def _print_contacts(
             for law, ranges in by_law.items()
         }
         draws = sum(each.size for each in limits.values())
-        print_json({"v_c (m/s)": v_c, "laws": laws, "draws": draws, "file": file})
+        numbers = {"v_c (m/s)": v_c, "laws": laws, "draws": draws, "file": file}
+        print_json({"read": read, **numbers} if read else numbers)
         return
+    if read:
+        echo(read)
     title = (
         f"{best.particle.name} on {best.surface.name}, {best.diameter * 1e6:g} um, "
         f"friction {best.friction:g} (not from these data)"
@@ -291,13 +287,11 @@ def _targets(
     return (values[0], values[1], values[2]) if values else (0.0, 0.0, 0.0)
 
 
-def _measured(data: str, reading: Mapping[str, Any], *, quiet: bool) -> Rebounds:
-    """Read measurements, and say what was read."""
+def _measured(data: str, reading: Mapping[str, Any]) -> Rebounds:
+    """Read measurements, and warn of what is doubtful in them."""
     from microimpact.measured.rebounds import read_rebounds
 
     measured = read_rebounds(data, **reading)
-    if not quiet:
-        echo(measured.read)
     warn(measured.notes)
     return measured
 

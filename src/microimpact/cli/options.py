@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from microimpact.cli.output import Option, number
+from microimpact.cli.output import number, option
 from microimpact.core.materials import Material, read_materials
 from microimpact.core.nearest import nearest
 from microimpact.model.choices import CALIBRATED, INTERVAL, STIFFNESS_MODELS
@@ -65,43 +65,26 @@ _WORDS = ("particle", "surface", "file", "materials", "law", "stiffness_model")
 
 def contact_options(command: Command) -> Command:
     """Give a command the options that make a contact, as ``pair``, and ``--json``."""
-    contact, laws = {"group": "Contact"}, {"group": "Law of the normal force"}
+    body, law = "Contact", "Law of the normal force"
     options = (
-        click.option("--particle", cls=Option, help="Material of the sphere.", **contact),
-        click.option("--surface", cls=Option, help="Material of the surface.", **contact),
-        click.option(
-            *("--contact", "file"),
-            cls=Option,
-            help="Contacts that 'microimpact calibrate' wrote.",
-            **contact,
-        ),
-        *(
-            click.option(f"--{flag}", cls=Option, type=float, help=words, **contact)
-            for flag, _, words in NUMBERS.values()
-        ),
-        click.option(
-            *("--materials",),
-            cls=Option,
-            help="CSV of own materials, as config/materials.csv.",
-            **contact,
-        ),
-        click.option(
-            *("--stiffness-model",),
-            cls=Option,
+        option(body, "--particle", help="Material of the sphere."),
+        option(body, "--surface", help="Material of the surface."),
+        option(body, "--contact", "file", help="Contacts that 'microimpact calibrate' wrote."),
+        *(option(body, f"--{flag}", type=float, help=text) for flag, _, text in NUMBERS.values()),
+        option(body, "--materials", help="CSV of own materials, as config/materials.csv."),
+        option(
+            *(body, "--stiffness-model"),
             type=click.Choice(STIFFNESS_MODELS),
             help=f"Stiffness K of the bodies; default {STIFFNESS_MODELS[0]}.",
-            **contact,
         ),
-        click.option(
-            *("--law",),
-            cls=Option,
+        option(
+            *(law, "--law"),
             type=click.Choice(LAW_NAMES),
             help=f"Default {RING_FORCE}; the others have losses of their own.",
-            **laws,
         ),
         *(
-            click.option(f"--{flag}", cls=Option, type=float, help=words, **laws)
-            for flag, _, words in LAW_NUMBERS.values()
+            option(law, f"--{flag}", type=float, help=text)
+            for flag, _, text in LAW_NUMBERS.values()
         ),
         click.option("--json", "as_json", is_flag=True, help="JSON in SI units; infinity is null."),
     )
@@ -116,8 +99,8 @@ def contact_options(command: Command) -> Command:
         command(**options, pair=Pair(**words, numbers=numbers))
 
     wrapped: Command = with_pair
-    for option in reversed(options):
-        wrapped = option(wrapped)
+    for each in reversed(options):
+        wrapped = each(wrapped)
     return wrapped
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from threading import Timer
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from microimpact.core.readable import table
 
 PATIENCE = 2.0  # s
+Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
 
 
 def echo(text: object, *, nl: bool = True, err: bool = False) -> None:
@@ -38,13 +39,18 @@ class Option(click.Option):
         self.group = group
 
 
+def option(group: str, *names: str, **settings: Any) -> Callable[[Wrapped], Wrapped]:
+    """Return a decorator that gives a command an option of a group."""
+    return click.option(*names, cls=Option, group=group, **settings)
+
+
 class Command(click.Command):
     """A command whose help has the options in groups."""
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options, the groups in the order of their first ones, the others last."""
         groups: dict[str, list[tuple[str, str]]] = {}
-        params = self.get_params(ctx)
+        params = [param for param in self.get_params(ctx) if isinstance(param, click.Option)]
         for param in sorted(params, key=lambda param: not isinstance(param, Option)):
             if (record := param.get_help_record(ctx)) is not None:
                 groups.setdefault(getattr(param, "group", "Options"), []).append(record)

@@ -172,7 +172,8 @@ def read_rebounds(
         Of the file; None: UTF-8, and Latin-1 where it is not.
     sigma, sigma_v, size_scatter
         Standard deviation of e, of v (m/s, or ``"1.5%"``) and of d (``0.07``, ``"7%"`` or
-        ``"free"``) where no column has them. Where e is V/v, the error of v is added to sigma.
+        ``"free"``) where no column has them. Where e is V/v, sigma is that at an exact v, and the
+        error of v is added to it.
     skip_bad_rows
         Whether rows with a wrong number are left out, and named in ``notes``.
 
@@ -214,6 +215,8 @@ def read_rebounds(
         arrays["size_scatter"] = size_scatter
     if "sigma" in arrays:
         arrays["sigma"] = _completed(arrays["sigma"])
+        if impacts.after == "V" and "sigma_v" in arrays:
+            arrays["sigma"] = _of_ratio(**arrays)
     total = arrays.pop("total")
     notes += implausible({"normal_speed": arrays["v"], "diameter": arrays.get("d")})
     if "angle" in arrays:
@@ -261,10 +264,8 @@ def _share(name: str, text: float | str | None) -> tuple[float, bool] | None:
     share = bool(percent) or name == "size_scatter"
     # "7" would be 700 %.
     if not 0.0 <= value < (0.5 if share else np.inf):
-        allowed = (
-            "'1.5%' or a number in m/s" if name == "sigma_v" else "'7%', or 'free', below a half"
-        )
-        raise ValueError(f"{_flag(name)} must be as {allowed}, got {text!r}")
+        allowed = "'1.5%' or a number in m/s" if name == "sigma_v" else "'7%' or 'free'"
+        raise ValueError(f"{_flag(name)} must be as {allowed}, below 50 %, got {text!r}")
     return value, share
 
 
@@ -299,7 +300,7 @@ class _Impacts:
         relative = self._relative("v", "sigma_v", row, total, self.spreads["sigma_v"])
         if relative is not None:
             built["sigma_v"] = relative * v
-        built |= self._restitution(row, v, relative or 0.0, captured=captured)
+        built |= self._restitution(row, v, captured=captured)
         size = self._size(row)
         if size is not None:
             built["d"] = size
@@ -319,9 +320,7 @@ class _Impacts:
             )
         return total, total * float(np.sin(np.radians(angle)))
 
-    def _restitution(
-        self, row: Row, v: float, relative: float, *, captured: bool
-    ) -> dict[str, float]:
+    def _restitution(self, row: Row, v: float, *, captured: bool) -> dict[str, float]:
         """Restitution and its sigma; nan for that of a captured sphere that has none."""
         cell = row.cells[self.after]
         amount = row.numbers.get(self.after, 0.0)
@@ -337,8 +336,6 @@ class _Impacts:
         if sigma is not None and not 0.0 < sigma < 1.0:
             got = row.cells.get("sigma", sigma)
             raise ValueError(f"sigma must be above 0 and below 1, got {got}")
-        if sigma is not None and self.after == "V":
-            sigma = float(np.hypot(sigma, e * relative))
         if not 0.0 <= e <= 1.0 + NOISE * (sigma or 0.0):
             got = cell + _percent(e) if self.after == "e" else f"V/v = {e:.3g}"
             noise = f", or above by at most {NOISE:g} sigma" if has else ""
@@ -386,6 +383,19 @@ def _completed(sigma: FloatArray) -> FloatArray | None:
     """Standard deviations, where a captured sphere has none the median one."""
     known = np.isfinite(sigma)
     return np.where(known, sigma, np.median(sigma[known])) if np.any(known) else None
+
+
+def _of_ratio(
+    v: FloatArray, e: FloatArray, sigma: FloatArray, sigma_v: FloatArray, **_: Any
+) -> FloatArray:
+    """Standard deviation of e = V/v with the error of v in it, for a fit that knows sigma_v.
+
+    An error of v moves V/v off the curve at v by (e + v de/dv)/v of it, of which the fit has the
+    second part alone. With the covariance e^2 + v d(e^2)/dv is left, here for a loss of energy that
+    does not depend on the speed: the latter is then 2 (e_max^2 - e^2).
+    """
+    missing = np.where(e > 0.0, 2.0 * np.max(e) ** 2 - e**2, 0.0)
+    return np.asarray(np.sqrt(sigma**2 + (sigma_v / v) ** 2 * missing))
 
 
 def _words(table: Table, arrays: Mapping[str, Any], total: FloatArray) -> str:

@@ -212,17 +212,17 @@ def read_table(
     mark = _decimal(name, [cells[c] for _, cells in named for c in numeric], decimal)
     found, known = _units(numeric, wanted, stated, given)
     built = []
-    for where, cells in named:
+    for where, texts in named:
         try:
             numbers = {
                 column: number * wanted[column].units[found[column]]
                 for column in numeric
-                if (number := _number(column, cells[column], mark)) is not None
+                if (number := _number(column, texts[column], mark)) is not None
             }
         except ValueError as error:
             bad.append(f"{where}: {error}")
         else:
-            built.append(Row(where, cells, numbers))
+            built.append(Row(where, texts, numbers))
     ignored = [cell for at, cell in enumerate(header) if cell and at not in places.values()]
     return Table(name, [*places], found, known, built, bad, ignored)
 

@@ -240,12 +240,24 @@ def test_sizes_are_of_the_unit_that_is_stated_somewhere(written):
     assert in_memory.d == pytest.approx([30e-6])
 
 
-def test_the_error_of_a_speed_is_in_a_ratio_of_speeds(written):
-    text = "v,V,sigma\n0.5,0.3,0.01\n"
-    data = read_rebounds(written(text), sigma_v="2%")
-    assert data.sigma == pytest.approx([np.hypot(0.01, 0.6 * 0.02)])
-    assert data.sigma_v == pytest.approx([0.01])
-    assert read_rebounds(written("v,e,sigma\n0.5,0.6,0.01\n"), sigma_v=0.01).sigma == [0.01]
+@pytest.mark.parametrize("speed", [0.22, 0.3, 1.0])
+def test_the_error_of_a_speed_is_in_a_ratio_of_speeds(speed):
+    """Residuals of e^2 = 0.64 (1 - (0.2/v)^2) at a measured v, with the share that a fit has."""
+
+    def curve(v):
+        return 0.8 * np.sqrt(1.0 - (0.2 / v) ** 2)
+
+    rng, share = np.random.default_rng(5), 0.01
+    after = curve(speed) * speed
+    v = speed * (1.0 + share * rng.standard_normal(100_000))
+    e = after / v + 0.01 * rng.standard_normal(v.size)
+    columns = {"v": [speed, 50.0], "V": [after, 40.0]}
+    data = read_rebounds(columns, sigma=0.01, sigma_v="1%")
+    slope = 0.64 * 0.2**2 / speed**3 / curve(speed)
+    expected = np.hypot(data.sigma[0], slope * data.sigma_v[0])
+    assert np.std(e - curve(v)) == pytest.approx(expected, rel=0.04)
+    restitutions = {"v": columns["v"], "e": [0.5, 0.8]}
+    assert read_rebounds(restitutions, sigma=0.01, sigma_v=0.01).sigma.tolist() == [0.01, 0.01]
 
 
 def test_noise_above_one_is_data(written):
