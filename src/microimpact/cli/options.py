@@ -20,14 +20,16 @@ from microimpact.model.contact_laws import RING_FORCE, named_law
 if TYPE_CHECKING:
     from microimpact.model.contact import Contact
     from microimpact.model.contact_laws import ContactLaw
+    from microimpact.model.pairs import Pairs
 
 # Diameters that differ by less than this share are one.
 SAME_SIZE = 0.01
 Command = Callable[..., None]
 ROLES = ("particle", "surface")
 NOTHING: Mapping[str, float] = {}
-# What a contact that is not declared needs.
+# What a contact needs, and what may be in its place.
 NEEDED = ("diameter", "work_of_adhesion", "hertz_damping", "adhesion_damping")
+IN_PLACE = dict(zip(("ring_force", "zeta_hertz", "zeta_adhesion"), NEEDED[1:], strict=True))
 DAMPING = ("ring_force", "hertz_damping", "adhesion_damping", "adhesion_rate_exponent")
 SIZES = ("diameter", "partner_diameter")
 
@@ -264,11 +266,10 @@ class Pair:
         if self.particle is None or self.surface is None:
             raise ValueError("give --particle and --surface, or --contact")
         from microimpact.core.declared import materials
-        from microimpact.model.contact import Contact
-        from microimpact.model.declared import contacts
+        from microimpact.model.pairs import declared_pairs, pair_contact
 
         known = {**materials, **(read_materials(self.materials) if self.materials else {})}
-        law, name = self._law(), f"{self.particle} on {self.surface}"
+        pairs, names, law = declared_pairs(), (self.particle, self.surface), self._law()
         fields: dict[str, Any] = {
             **found,
             **{k: v for k, v in self.numbers.items() if "." not in k},
@@ -277,38 +278,41 @@ class Pair:
             fields["stiffness_model"] = self.stiffness_model
         if law is not None:  # its losses take the place of any damping
             fields |= {"hertz_damping": 0.0, "adhesion_damping": 0.0}
-        self._require_enough(known, contacts, fields)
-        fields |= {
-            role: _body(role, material, known.get(material), self._of(role))
-            for role, material in zip(ROLES, (self.particle, self.surface), strict=True)
+        self._require_enough(known, pairs, fields)
+        bodies = {
+            role: _body(role, name, known.get(name), self._of(role))
+            for role, name in zip(ROLES, names, strict=True)
         }
-        contact = contacts[name].replace(**fields) if name in contacts else Contact(**fields)
+        known |= zip(names, bodies.values(), strict=True)
+        contact = pair_contact(*names, known, pairs, **fields).replace(**bodies)
         if law is not None:
             contact = contact.by_law(law, contact.work_of_adhesion or 0.0)
         whole = {RING_FORCE if law is None else law.name: contact}
         replaced = []
-        if law is None and name in contacts:
+        if law is None and names in pairs:
             replaced = [k.replace(".", "_") for k in self.numbers if k not in SIZES]
         return Chosen(contacts=whole, bests=whole, replaced=replaced)
 
     def _require_enough(
-        self, known: Mapping[str, Material], declared: Collection[str], fields: Collection[str]
+        self, known: Mapping[str, Material], pairs: Pairs, fields: Collection[str]
     ) -> None:
         """Raise ValueError that names all options that bodies and pair lack."""
+        pair = str(self.particle), str(self.surface)
         reasons, lacking = [], []
-        for role, material in zip(ROLES, (self.particle, self.surface), strict=True):
+        for role, material in zip(ROLES, pair, strict=True):
             needed = [k for k in NUMBERS if k.startswith(f"{role}.") and k not in self.numbers]
             if needed and material not in known:
                 reasons.append(
                     f"the material {material!r} is not declared{nearest(material, known)}"
                 )
                 lacking += needed
-        name, swapped = f"{self.particle} on {self.surface}", f"{self.surface} on {self.particle}"
-        has = {*fields, *(["work_of_adhesion"] if "ring_force" in fields else [])}
-        needed = [key for key in NEEDED if key not in has]
-        if needed and name not in declared:
-            near = nearest(name, [swapped]) if swapped in declared else ""
-            reasons.append(f"the pair {name!r} is not declared{near}")
+        has = {IN_PLACE.get(name, name) for name in (*fields, *pairs.get(pair, ()))}
+        if needed := [name for name in NEEDED if name not in has]:
+            state = "incomplete" if pair in pairs else "not declared"
+            swapped = [" on ".join(pair[::-1])] if pair[::-1] in pairs else []
+            name = " on ".join(pair)
+            near = nearest(name, swapped) if swapped else ""
+            reasons.append(f"the pair {name!r} is {state}{near}")
             lacking += needed
         if lacking:
             raise ValueError("; ".join([*reasons, f"give {flags(lacking)}"]))

@@ -215,7 +215,7 @@ def read_rebounds(
         arrays["size_scatter"] = size_scatter
     if "sigma" in arrays:
         arrays["sigma"] = _completed(arrays["sigma"])
-        if impacts.after == "V" and "sigma_v" in arrays:
+        if impacts.after == "V" and "sigma_v" in arrays and arrays["sigma"] is not None:
             arrays["sigma"] = _of_ratio(**arrays)
     total = arrays.pop("total")
     notes += implausible({"normal_speed": arrays["v"], "diameter": arrays.get("d")})
