@@ -212,7 +212,7 @@ def calibrate_command(
 
 
 def _bodies(pair: Pair) -> Contact:
-    """Contact that has all but what the data say; raises ValueError if options say that, too."""
+    """Contact without the numbers that data decide; raises ValueError if options have them."""
     excess = [name for name in (*BY_DATA, "ring_force") if name in pair.numbers]
     excess += ["law"] if pair.law else []
     if excess and pair.file is None:
@@ -288,7 +288,7 @@ def _targets(
 
 
 def _measured(data: str, reading: Mapping[str, Any]) -> Rebounds:
-    """Read measurements, and warn of what is doubtful in them."""
+    """Read measurements, and warn of doubtful ones."""
     from microimpact.measured.rebounds import read_rebounds
 
     measured = read_rebounds(data, **reading)

@@ -93,9 +93,9 @@ def contact_options(command: Command) -> Command:
 
     @wraps(command)
     def with_pair(**options: Any) -> None:
-        given = {name: options.pop(flag.replace("-", "_")) for name, (flag, *_) in _ALL.items()}
+        changes = {name: options.pop(flag.replace("-", "_")) for name, (flag, *_) in _ALL.items()}
         numbers = {
-            name: _ALL[name][1] * value for name, value in given.items() if value is not None
+            name: _ALL[name][1] * value for name, value in changes.items() if value is not None
         }
         words = {name: options.pop(name) for name in _WORDS}
         command(**options, pair=Pair(**words, numbers=numbers))
@@ -224,7 +224,7 @@ def quantiles(values: Any) -> tuple[float, float, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
-    """What the options say of a contact.
+    """Words and numbers of a contact, by options.
 
     Attributes
     ----------
@@ -248,12 +248,12 @@ class Pair:
     stiffness_model: str | None = None
     numbers: Mapping[str, float] = field(default_factory=dict)
 
-    def contact(self, found: Mapping[str, float] = NOTHING) -> Chosen:
+    def contact(self, free: Mapping[str, float] = NOTHING) -> Chosen:
         """Return the contact.
 
         Parameters
         ----------
-        found
+        free
             Fields that need not be given, since they are to be found, with a first value.
 
         Raises
@@ -271,7 +271,7 @@ class Pair:
         known = {**materials, **(read_materials(self.materials) if self.materials else {})}
         pairs, names, law = declared_pairs(), (self.particle, self.surface), self._law()
         fields: dict[str, Any] = {
-            **found,
+            **free,
             **{k: v for k, v in self.numbers.items() if "." not in k},
         }
         if self.stiffness_model is not None:
@@ -336,8 +336,8 @@ class Pair:
         except ValueError as error:
             if parameters:
                 raise
-            own = [key for key, (_, _, words) in LAW_NUMBERS.items() if name in words]
-            raise ValueError(f"{error}: give {flags(own)}") from None
+            needed = [key for key, (_, _, words) in LAW_NUMBERS.items() if name in words]
+            raise ValueError(f"{error}: give {flags(needed)}") from None
 
     def _from_file(self, file: str) -> Chosen:
         """Contacts of a file, at other diameters if these are given."""
@@ -360,9 +360,9 @@ class Pair:
         return Chosen(contacts=contacts, bests=bests, measured=measured)
 
 
-def _body(role: str, name: str, known: Material | None, given: Mapping[str, Any]) -> Material:
+def _body(role: str, name: str, known: Material | None, changes: Mapping[str, Any]) -> Material:
     """Material of a body, with the properties that options give."""
     try:
-        return Material(name=name, **given) if known is None else replace(known, **given)
+        return Material(name=name, **changes) if known is None else replace(known, **changes)
     except ValueError as error:
         raise ValueError(f"--{role} {name!r}: {error}") from None

@@ -46,7 +46,7 @@ def write_file(path: Path | str, content: str | bytes) -> None:
 
 
 def require_writable(path: Path | str) -> None:
-    """Refuse a file that cannot be written, before what goes into it is computed.
+    """Refuse a file that cannot be written, before its content is computed.
 
     Parameters
     ----------

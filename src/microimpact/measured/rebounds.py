@@ -85,7 +85,7 @@ _ARGUMENTS = ("v", "e", "sigma", "sigma_v", "d", "size_scatter")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Rebounds(Readable):
-    """Measured normal impacts; a mapping of what the functions of fits take.
+    """Measured normal impacts; a mapping of the arguments of fits.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class Rebounds(Readable):
     notes: tuple[str, ...] = ()
 
     def keys(self) -> tuple[str, ...]:
-        """Return the names of what is known, for ``compare_models(**rebounds)``."""
+        """Return the names of known arguments, for ``compare_models(**rebounds)``."""
         return tuple(name for name in _ARGUMENTS if getattr(self, name) is not None)
 
     def __getitem__(self, name: str) -> Any:
@@ -132,7 +132,7 @@ class Rebounds(Readable):
         return self.notes
 
     def summary(self) -> str:
-        """What was read, in a line."""
+        """Rows, units and ranges of the table, in a line."""
         return self.read
 
 
@@ -279,7 +279,7 @@ class _Impacts:
 
     @property
     def after(self) -> str:
-        """Column of what is measured after impact."""
+        """Column of the measurement after impact."""
         return "e" if "e" in self.table.units else "V"
 
     def of(self, row: Row) -> dict[str, float] | None:
@@ -321,7 +321,7 @@ class _Impacts:
         return total, total * float(np.sin(np.radians(angle)))
 
     def _restitution(self, row: Row, v: float, *, captured: bool) -> dict[str, float]:
-        """Restitution and its sigma; nan for that of a captured sphere that has none."""
+        """Restitution and its sigma; nan where a captured sphere has none."""
         cell = row.cells[self.after]
         amount = row.numbers.get(self.after, 0.0)
         e = amount if self.after == "e" else abs(amount) / v
@@ -399,7 +399,7 @@ def _of_ratio(
 
 
 def _words(table: Table, arrays: Mapping[str, Any], total: FloatArray) -> str:
-    """What was read, in a line."""
+    """Rows, units and ranges of the table, in a line."""
     v, e, d = arrays["v"], arrays["e"], arrays.get("d")
     unit = table.units["v"] + ("" if "v" in table.stated else ", which is not stated")
     angles = "v times the sine of the angle" if np.any(v != total) else "no angles"

@@ -110,7 +110,7 @@ class Table:
     def kept(
         self, build: Callable[[Row], Kept | None], *, skip_bad_rows: bool
     ) -> tuple[list[Kept], list[str]]:
-        """Return what is built of each row, and notes on the rows left out.
+        """Build an item of each row, with notes on the rows left out.
 
         Parameters
         ----------
@@ -188,13 +188,13 @@ def read_table(
     TypeError, ValueError
         With file, line, column, value and the allowed values.
     """
-    given = {kind: _option(kind, unit) for kind, unit in units.items() if unit is not None}
+    options = {kind: _option(kind, unit) for kind, unit in units.items() if unit is not None}
     if isinstance(source, str | Path):
         name, header, rows = _file(Path(source), delimiter, encoding)
     else:
         name, header, rows = _in_memory(source)
         decimal = "."
-    places, stated = _places(name, header, wanted, columns or {}, given)
+    places, stated = _places(name, header, wanted, columns or {}, options)
     width = max((at for at, cell in enumerate(header, 1) if cell), default=0)
     named, bad = [], []
     for where, cells in rows:
@@ -210,12 +210,12 @@ def read_table(
         stated |= below
         named = named[1:]
     mark = _decimal(name, [cells[c] for _, cells in named for c in numeric], decimal)
-    found, known = _units(numeric, wanted, stated, given)
+    units_of, known = _units(numeric, wanted, stated, options)
     built = []
     for where, texts in named:
         try:
             numbers = {
-                column: number * wanted[column].units[found[column]]
+                column: number * wanted[column].units[units_of[column]]
                 for column in numeric
                 if (number := _number(column, texts[column], mark)) is not None
             }
@@ -224,7 +224,7 @@ def read_table(
         else:
             built.append(Row(where, texts, numbers))
     ignored = [cell for at, cell in enumerate(header) if cell and at not in places.values()]
-    return Table(name, [*places], found, known, built, bad, ignored)
+    return Table(name, [*places], units_of, known, built, bad, ignored)
 
 
 def _file(
@@ -318,7 +318,7 @@ def _places(
     header: Sequence[str],
     columns: Mapping[str, Column],
     renamed: Mapping[str, str],
-    given: Mapping[str, str],
+    options: Mapping[str, str],
 ) -> tuple[dict[str, int], dict[str, str]]:
     """Place of each column, and the units that the header states."""
     usual = {name: name for name in columns} | {
@@ -330,14 +330,14 @@ def _places(
             raise ValueError(
                 f"columns: {name!r} is none of {', '.join(columns)}{nearest(name, columns)}"
             )
-    own = {wanted.strip(): name for name, wanted in renamed.items()}
+    titles = {wanted.strip(): name for name, wanted in renamed.items()}
     places: dict[str, int] = {}
     stated: dict[str, str] = {}
     for at, cell in enumerate(header):
-        found = _meaning(table, cell, own, usual, columns, given)
-        if found is None:
+        meaning = _meaning(table, cell, titles, usual, columns, options)
+        if meaning is None:
             continue
-        name, unit = found
+        name, unit = meaning
         if name in places:
             raise ValueError(
                 f"{table}: the column {name} stands there twice, {header[places[name]]!r} and "
@@ -357,27 +357,27 @@ def _places(
 def _meaning(
     table: str,
     cell: str,
-    own: Mapping[str, str],
+    titles: Mapping[str, str],
     usual: Mapping[str, str],
     columns: Mapping[str, Column],
-    given: Mapping[str, str],
+    options: Mapping[str, str],
 ) -> tuple[str, str] | None:
     """Column that a header names, and its unit; None if it is no column that is looked for."""
     refused = ""
-    whole = own.get(cell)
+    whole = titles.get(cell)
     for name, tail, must in _readings(cell):
-        column = whole or own.get(name) or usual.get(_plain(name))
+        column = whole or titles.get(name) or usual.get(_plain(name))
         if column is None:
             continue
         if not tail:
-            # Of one letter, but for our own, is many a name: it needs a unit.
-            if whole is None and (len(name) > 1 or name in {*columns, *own}):
+            # Many a quantity has a name of one letter: but for ours, it needs a unit.
+            if whole is None and (len(name) > 1 or name in {*columns, *titles}):
                 return column, ""
             continue
         unit = unit_of(tail, columns[column].units)
         if unit is not None:
             return column, unit
-        if must and not (whole and columns[column].kind in given):
+        if must and not (whole and columns[column].kind in options):
             allowed = ", ".join(filter(None, columns[column].units)) or "none"
             refused = f"{table}: the unit of {column} must be one of {allowed}, got {tail!r}"
     if refused:
@@ -386,7 +386,7 @@ def _meaning(
 
 
 def _readings(cell: str) -> Iterator[tuple[str, str, bool]]:
-    """Names with what stands behind them, the longest first, and whether that must be a unit."""
+    """Names and the texts behind them, the longest first, and whether these must be units."""
     yield cell, "", False
     if match := _BRACKETS.fullmatch(cell):
         yield match[1], match[2].strip(), True
@@ -439,7 +439,7 @@ def _row_of_units(
     figures = {name for name, word in words.items() if _is_number(word)}
     if figures == {*words} or any(units[name] is None for name in figures):
         return {}
-    found = {}
+    stated = {}
     for name, word in words.items():
         unit = units[name]
         if unit is None:
@@ -448,22 +448,22 @@ def _row_of_units(
                 f"{table}, {where}: {name} must be a number, or one of the units {allowed}, "
                 f"got {word!r}"
             )
-        found[name] = unit
-    return found
+        stated[name] = unit
+    return stated
 
 
 def _units(
     numeric: Sequence[str],
     columns: Mapping[str, Column],
     stated: Mapping[str, str],
-    given: Mapping[str, str],
+    options: Mapping[str, str],
 ) -> tuple[dict[str, str], frozenset[str]]:
     """Unit of each column of numbers, and which of them are stated somewhere."""
     of_kind: dict[str, str] = {}
     for name, unit in stated.items():
         if unit in OPTIONS.get(columns[name].kind, ("", {}))[1]:
             of_kind.setdefault(columns[name].kind, unit)
-    of_kind |= given
+    of_kind |= options
     units, known = {}, set()
     for name in numeric:
         column = columns[name]

@@ -24,6 +24,7 @@ from microimpact.model.choices import CALIBRATED
 from microimpact.model.contact_laws import JKR
 
 STEEL = ("--particle", "stainless-steel-316", "--surface", "silicon")
+STYLE = ROOT / "src/study/figures/microimpact.mplstyle"
 FLUORESCEIN = ("--particle", "ammonium-fluorescein", "--surface", "molybdenum")
 UNDECLARED = ("--particle", "stainless-steel-316", "--surface", "mica", "--diameter-um", "10")
 
@@ -351,7 +352,12 @@ def test_fit_prints_draws_and_writes_json(microimpact, answered, own_data, tmp_p
     assert set(found["models"]) >= {"fixed loss", "Eq. 34, q free", "ring force"}
     assert f"v_c = {found['v_c']:.4g} m/s, 95 %: {low:.4g} to {high:.4g} m/s" in text
     assert "weight" in text
-    assert plot.read_text(encoding="utf-8").startswith("<?xml")
+    drawing = plot.read_text(encoding="utf-8")
+    assert drawing.startswith("<?xml")
+    palette = re.findall(r'"([0-9A-F]{6})"', STYLE.read_text(encoding="utf-8"))
+    colours = {f"#{word}".lower() for word in palette}
+    greys = {"#d9d9d9", "#666666", "#ffffff", "#cccccc"}
+    assert {*re.findall(r"#[0-9a-f]{6}", drawing)} <= colours | greys
 
 
 def test_a_file_of_a_spreadsheet_needs_one_option(microimpact, answered, own_data, tmp_path):
