@@ -41,7 +41,6 @@ TABLE = {
     "--columns": "Headers by the names above: 'v=Impact speed [cm/s],V=Rebound'.",
     "--delimiter": "Between cells: comma, semicolon, tab, bar or space.",
     "--decimal": "Of numbers: '.' or ','.",
-    "--encoding": "Of the file; default UTF-8, or else Latin-1.",
     "--skip-bad-rows": "Leave out rows with a wrong number, and name them.",
 }
 SPREADS = {

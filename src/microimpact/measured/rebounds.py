@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import BoolArray, FloatArray, Range, checked
 from microimpact.core.plausible import PLAUSIBLE, implausible
 from microimpact.core.readable import Readable
 from microimpact.measured.table import (
@@ -21,7 +21,6 @@ from microimpact.measured.table import (
     SPEED_UNITS,
     SPEEDS,
     Column,
-    Row,
     Table,
     read_table,
 )
@@ -78,6 +77,8 @@ COLUMNS = {
 # Restitutions of a code, by the cases of `microimpact.model.reference`; above `MOST` none is e.
 CASES = {"case": Column(), "v": BEFORE, "e": RESTITUTION}
 MOST = 2.0
+# A standard deviation is below this share of the whole.
+HALF = 0.5
 _YES, _NO = {"yes", "true", "1", "captured"}, {"no", "false", "0", "rebound"}
 # What the functions of fits take.
 _ARGUMENTS = ("v", "e", "sigma", "sigma_v", "d", "size_scatter")
@@ -144,7 +145,6 @@ def read_rebounds(
     columns: Mapping[str, str] | None = None,
     delimiter: str | None = None,
     decimal: str | None = None,
-    encoding: str | None = None,
     sigma: float | None = None,
     sigma_v: float | str | None = None,
     size_scatter: float | str | None = None,
@@ -155,9 +155,9 @@ def read_rebounds(
     Parameters
     ----------
     source
-        The file, or the table, with the columns `COLUMNS`, of which v and e or V are needed; others
-        are left out. Lines that begin with ``#`` or ``%`` are comments, rows without their numbers
-        are skipped; ``notes`` says so. A captured sphere has ``captured`` yes, or e (or V) 0, and
+        The file (UTF-8, UTF-16 or Latin-1), or the table, with the columns `COLUMNS`, of which v
+        and e or V are needed; others are left out. Lines that begin with ``#`` or ``%`` are
+        comments, rows without their numbers are skipped; ``notes`` says so. A captured sphere has ``captured`` yes, or e (or V) 0, and
         needs no ``sigma``: it takes the median one of the others.
     unit, size_unit
         Units of speeds and of sizes, where the table states none; None: SI units.
@@ -168,8 +168,6 @@ def read_rebounds(
         one that parts the header into most cells.
     decimal
         ``"."`` or ``","``; None: as the numbers are written.
-    encoding
-        Of the file; None: UTF-8, and Latin-1 where it is not.
     sigma, sigma_v, size_scatter
         Standard deviation of e, of v (m/s, or ``"1.5%"``) and of d (``0.07``, ``"7%"`` or
         ``"free"``) where no column has them. Where e is V/v, sigma is that at an exact v, and the
@@ -191,42 +189,48 @@ def read_rebounds(
         columns=columns,
         delimiter=delimiter,
         decimal=decimal,
-        encoding=encoding,
     )
     _require_columns(table)
-    sign = _sign(table)
-    spreads = {
-        "sigma": sigma,
-        "sigma_v": _share("sigma_v", sigma_v),
-        "size_scatter": _share("size_scatter", size_scatter),
-    }
-    for column, name in {"sigma": "sigma", "sigma_v": "sigma_v", "sigma_d": "size_scatter"}.items():
-        if column in table.columns and spreads[name] is not None:
+    options = {"sigma": sigma, "sigma_v": sigma_v, "sigma_d": size_scatter}
+    for column, option in options.items():
+        if option is not None and column in table.cells:
+            name = column.replace("sigma_d", "size_scatter")
             raise ValueError(f"{column} stands in the file; leave out {_flag(name)}")
-    impacts = _Impacts(table, sign, spreads)
-    rows, notes = table.kept(impacts.of, skip_bad_rows=skip_bad_rows)
+    notes = []
     if table.ignored:
-        unused = ", ".join(map(repr, table.ignored))
-        notes.insert(0, f"{table.name}: columns not used: {unused}")
-    if sign < 0.0:
-        notes.append(f"{table.name}: all speeds v are negative; their amounts are taken")
-    arrays: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        notes.append(f"{table.name}: columns not used: {', '.join(map(repr, table.ignored))}")
+    total, v = _speeds(table, notes)
+    after = "e" if "e" in table.cells else "V"
+    captured = _captured(table, after)
+    arrays = {"v": v, "total": total, **_restitutions(table, v, after, captured, sigma)}
+    if (relative := _relative(table, "v", total, "sigma_v", sigma_v)) is not None:
+        arrays["sigma_v"] = v * relative
+    size = _sizes(table)
+    scatter = _relative(table, "d", size, "sigma_d", size_scatter)
+    arrays |= {k: x for k, x in {"d": size, "size_scatter": scatter}.items() if x is not None}
+    lacking = np.any([np.isnan(x) & ~captured for x in table.numbers.values()], axis=0)
+    needed = [x for k, x in table.numbers.items() if k not in {after, "sigma"}]
+    lacking |= np.any([np.isnan(x) for x in needed], axis=0)
+    rows, others = table.kept(lacking, skip_bad_rows=skip_bad_rows)
+    kept: dict[str, Any] = {name: np.array(x[rows]) for name, x in arrays.items()}
+    if "sigma" in kept:
+        known = kept["sigma"][np.isfinite(kept["sigma"])]
+        median = np.median(known) if known.size else np.nan
+        kept["sigma"] = np.where(np.isfinite(kept["sigma"]), kept["sigma"], median)
+        if after == "V" and "sigma_v" in kept:
+            kept["sigma"] = _of_ratio(**kept)
+    total = kept.pop("total")
+    notes += [*others, *implausible({"normal_speed": kept["v"], "diameter": kept.get("d")})]
+    if "angle" in table.numbers:
+        notes += implausible({"angle": table.numbers["angle"][rows].max()})
     if size_scatter == "free":
-        arrays["size_scatter"] = size_scatter
-    if "sigma" in arrays:
-        arrays["sigma"] = _completed(arrays["sigma"])
-        if impacts.after == "V" and "sigma_v" in arrays and arrays["sigma"] is not None:
-            arrays["sigma"] = _of_ratio(**arrays)
-    total = arrays.pop("total")
-    notes += implausible({"normal_speed": arrays["v"], "diameter": arrays.get("d")})
-    if "angle" in arrays:
-        notes += implausible({"angle": arrays.pop("angle").max()})
-    return Rebounds(**arrays, read=_words(table, arrays, total), notes=tuple(notes))
+        kept["size_scatter"] = size_scatter
+    return Rebounds(**kept, read=_words(table, kept, total), notes=tuple(notes))
 
 
 def _require_columns(table: Table) -> None:
     """Raise ValueError if a column is missing, or two have the same thing."""
-    has = table.columns
+    has = table.cells
     if "v" not in has or ("e" in has) == ("V" in has):
         raise ValueError(
             f"{table.name}: the columns v and either e or V are needed, got "
@@ -239,150 +243,108 @@ def _require_columns(table: Table) -> None:
         raise ValueError(f"{table.name}: sigma_d needs the column d, or is in %: 'sigma_d (%)'")
 
 
-def _sign(table: Table) -> float:
-    """-1 if all speeds before impact are negative, as trackers write them."""
-    speeds = [row.numbers["v"] for row in table.rows if "v" in row.numbers]
-    return -1.0 if speeds and max(speeds) < 0.0 else 1.0
+def _speeds(table: Table, notes: list[str]) -> tuple[FloatArray, FloatArray]:
+    """Speeds before impact, and their normal parts, m/s, (n,)."""
+    total, normal = table.numbers["v"], np.ones(len(table.where))
+    if np.all(total[np.isfinite(total)] < 0.0):  # as trackers write them
+        total = -total
+        notes.append(f"{table.name}: all speeds v are negative; their amounts are taken")
+    table.require("v", total > 0.0, "positive")
+    if "angle" in table.numbers:
+        angle = table.numbers["angle"]
+        table.require("angle", (angle > 0.0) & (angle <= 90.0), "above 0 and at most 90 degrees")
+        normal = np.sin(np.radians(angle))
+    return total, total * normal
+
+
+def _captured(table: Table, after: str) -> BoolArray:
+    """Captured spheres (n,): said to be, or with e or V of 0."""
+    captured: BoolArray = np.equal(table.numbers[after], 0.0)
+    for i, cell in enumerate(table.cells.get("captured", ())):
+        if cell.lower() in _YES:
+            captured[i] = True
+        elif cell.lower() not in _NO | MISSING:
+            table.bad.setdefault(i, f"captured must be yes or no, got {cell!r}")
+    table.require(
+        after, ~captured | (table.numbers[after] == 0.0), "0 or empty for a captured sphere"
+    )
+    return captured
+
+
+def _restitutions(
+    table: Table, v: FloatArray, after: str, captured: BoolArray, option: float | None
+) -> dict[str, FloatArray]:
+    """Restitutions and their sigma (n,), nan where a captured sphere has none."""
+    measured = table.numbers[after]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        e = np.where(captured, 0.0, measured if after == "e" else np.abs(measured) / v)
+    sigma = table.numbers.get("sigma")
+    if sigma is not None:
+        sigma = np.where(captured & (sigma == 0.0), np.nan, sigma)
+        good = np.isnan(sigma) | ((sigma > 0.0) & (sigma < 1.0))
+        table.require("sigma", good, "above 0 and below 1")
+    elif option is not None:
+        number = float(checked("sigma", option, Range(lower=0.0, upper=1.0)))
+        sigma = np.full(v.size, number)
+    noise = np.zeros(v.size) if sigma is None else NOISE * np.nan_to_num(sigma)
+    noisy = "" if sigma is None else f", or above by at most {NOISE:g} sigma"
+    allowed, words = f"at most v{noisy}", [f"V/v = {x:.3g}" for x in e]
+    if after == "e":
+        allowed = f"from 0 to 1{noisy}"
+        words = [cell + _percent(x) for cell, x in zip(table.cells["e"], e, strict=True)]
+    good = np.isnan(e) | ((e >= 0.0) & (e <= 1.0 + noise))
+    table.require(after, good, allowed, words)
+    return {"e": e} if sigma is None else {"e": e, "sigma": sigma}
+
+
+def _sizes(table: Table) -> FloatArray | None:
+    """Diameters (n,), m; those that can hardly be meant are bad."""
+    name = next((name for name in ("d", "radius") if name in table.numbers), None)
+    if name is None:
+        return None
+    table.require(name, table.numbers[name] > 0.0, "positive")
+    size = table.numbers[name] * (2.0 if name == "radius" else 1.0)
+    if name not in table.stated:
+        low, high, *_ = PLAUSIBLE["diameter"]
+        allowed = f"from {low:g} to {high:g} m where no unit is stated"
+        words = [f"{cell}; give --size-unit" for cell in table.cells[name]]
+        table.require(name, (size >= low) & (size <= high), allowed, words)
+    return size
+
+
+def _relative(
+    table: Table, whole: str, values: FloatArray | None, name: str, option: float | str | None
+) -> FloatArray | None:
+    """Standard deviations over the whole (n,), by their column or by an option."""
+    allowed = f"from 0 to half of {whole}"
+    if name in table.numbers:
+        spread = table.numbers[name]
+        relative = spread if table.units[name] == "%" or values is None else spread / values
+        table.require(name, (relative >= 0.0) & (relative < HALF), allowed)
+        return relative
+    if option is None or (option == "free" and name == "sigma_d"):
+        return None
+    digits, percent, rest = str(option).partition("%")
+    try:
+        amount = float(digits + rest) * (0.01 if percent else 1.0)
+    except ValueError:
+        amount = np.nan
+    share = bool(percent) or name == "sigma_d"
+    if not 0.0 <= amount < (HALF if share else np.inf):
+        flag = _flag(name.replace("sigma_d", "size_scatter"))
+        form = "'1.5%' or a number in m/s" if name == "sigma_v" else "'7%' or 'free'"
+        raise ValueError(f"{flag} must be as {form}, below 50 %, got {option!r}")
+    relative = np.full(len(table.where), amount) if share or values is None else amount / values
+    table.require(whole, relative < HALF, f"above twice {name}")
+    return relative
 
 
 def _flag(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-def _share(name: str, text: float | str | None) -> tuple[float, bool] | None:
-    """Spread by an option, and whether it is a share of the whole; None: to be found, or not given.
-
-    Raises ValueError if it is neither.
-    """
-    if text is None or (text == "free" and name == "size_scatter"):
-        return None
-    number, percent, rest = str(text).partition("%")
-    try:
-        value = float(number + rest) * (0.01 if percent else 1.0)
-    except ValueError:
-        value = np.nan
-    share = bool(percent) or name == "size_scatter"
-    # "7" would be 700 %.
-    if not 0.0 <= value < (0.5 if share else np.inf):
-        allowed = "'1.5%' or a number in m/s" if name == "sigma_v" else "'7%' or 'free'"
-        raise ValueError(f"{_flag(name)} must be as {allowed}, below 50 %, got {text!r}")
-    return value, share
-
-
-@dataclass(frozen=True, slots=True)
-class _Impacts:
-    """Rows of a table as impacts."""
-
-    table: Table
-    sign: float
-    spreads: Mapping[str, Any]
-
-    @property
-    def after(self) -> str:
-        """Column of the measurement after impact."""
-        return "e" if "e" in self.table.units else "V"
-
-    def of(self, row: Row) -> dict[str, float] | None:
-        """Numbers of an impact, in SI units; None if one is missing.
-
-        Raises ValueError if one is out of range.
-        """
-        said = row.cells.get("captured", "").lower()
-        captured = said in _YES or row.numbers.get(self.after) == 0.0
-        needless = {self.after, "sigma"} if captured else set()
-        if any(name not in row.numbers for name in {*self.table.units} - needless):
-            return None
-        if said not in _YES | _NO | MISSING:
-            raise ValueError(f"captured must be yes or no, got {row.cells['captured']!r}")
-        total, v = self._speeds(row)
-        built = {"v": v, "total": total}
-        built |= {name: row.numbers[name] for name in ("angle",) if name in row.numbers}
-        relative = self._relative("v", "sigma_v", row, total, self.spreads["sigma_v"])
-        if relative is not None:
-            built["sigma_v"] = relative * v
-        built |= self._restitution(row, v, captured=captured)
-        size = self._size(row)
-        if size is not None:
-            built["d"] = size
-        option = self.spreads["size_scatter"]
-        scatter = self._relative("d", "sigma_d", row, size or 1.0, option)
-        return built if scatter is None else built | {"size_scatter": scatter}
-
-    def _speeds(self, row: Row) -> tuple[float, float]:
-        """Speed before impact, and its normal part, m/s."""
-        total = self.sign * row.numbers["v"]
-        if total <= 0.0:
-            raise ValueError(f"v must be positive, got {row.cells['v']}")
-        angle = row.numbers.get("angle", 90.0)
-        if not 0.0 < angle <= 90.0:
-            raise ValueError(
-                f"angle must be above 0 and at most 90 degrees, got {row.cells['angle']}"
-            )
-        return total, total * float(np.sin(np.radians(angle)))
-
-    def _restitution(self, row: Row, v: float, *, captured: bool) -> dict[str, float]:
-        """Restitution and its sigma; nan where a captured sphere has none."""
-        cell = row.cells[self.after]
-        amount = row.numbers.get(self.after, 0.0)
-        e = amount if self.after == "e" else abs(amount) / v
-        if captured:
-            if e > 0.0:
-                raise ValueError(f"captured, but {self.after} is {cell}; it must be 0 or empty")
-            sigma = row.numbers.get("sigma", self.spreads["sigma"]) or None
-            has = sigma is not None or "sigma" in self.table.units
-        else:
-            sigma = row.numbers.get("sigma", self.spreads["sigma"])
-            has = sigma is not None
-        if sigma is not None and not 0.0 < sigma < 1.0:
-            got = row.cells.get("sigma", sigma)
-            raise ValueError(f"sigma must be above 0 and below 1, got {got}")
-        if not 0.0 <= e <= 1.0 + NOISE * (sigma or 0.0):
-            got = cell + _percent(e) if self.after == "e" else f"V/v = {e:.3g}"
-            noise = f", or above by at most {NOISE:g} sigma" if has else ""
-            raise ValueError(f"e must be from 0 to 1{noise}, got {got}")
-        return {"e": e} | ({"sigma": np.nan if sigma is None else sigma} if has else {})
-
-    def _size(self, row: Row) -> float | None:
-        """Diameter, m; raises ValueError if it can hardly be meant."""
-        name = next((name for name in ("d", "radius") if name in row.numbers), None)
-        if name is None:
-            return None
-        size = row.numbers[name] * (2.0 if name == "radius" else 1.0)
-        if size <= 0.0:
-            raise ValueError(f"{name} must be positive, got {row.cells[name]}")
-        if name not in self.table.stated and [*implausible({"diameter": size})]:
-            low, high, *_ = PLAUSIBLE["diameter"]
-            raise ValueError(
-                f"{name} must be from {low:g} to {high:g} m where no unit is stated, got "
-                f"{row.cells[name]}; give --size-unit"
-            )
-        return size
-
-    def _relative(
-        self, whole: str, name: str, row: Row, amount: float, option: tuple[float, bool] | None
-    ) -> float | None:
-        """Standard deviation over the whole, by its column or by an option."""
-        if name in row.numbers:
-            value, share = row.numbers[name], self.table.units[name] == "%"
-        elif option is not None:
-            value, share = option
-        else:
-            return None
-        relative = value / (1.0 if share else amount)
-        if not 0.0 <= relative < 0.5:
-            got = row.cells.get(name, f"{relative:.3g} of it")
-            raise ValueError(f"{name} must be from 0 to half of {whole}, got {got}")
-        return relative
-
-
 def _percent(e: float) -> str:
     return "; are these percent? Then the header is 'e (%)'" if 2.0 < e <= 100.0 else ""
-
-
-def _completed(sigma: FloatArray) -> FloatArray | None:
-    """Standard deviations, where a captured sphere has none the median one."""
-    known = np.isfinite(sigma)
-    return np.where(known, sigma, np.median(sigma[known])) if np.any(known) else None
 
 
 def _of_ratio(
@@ -437,27 +399,16 @@ def read_cases(
         As of `read_rebounds`.
     """
     table = read_table(source, CASES, units={SPEEDS: unit}, **reading)
-    if lacking := [name for name in CASES if name not in table.columns]:
+    if lacking := [name for name in CASES if name not in table.cells]:
         raise ValueError(
             f"{table.name}: the columns {', '.join(CASES)} are needed, got "
-            f"{', '.join(map(repr, [*table.columns, *table.ignored]))}; no {', '.join(lacking)}"
+            f"{', '.join(map(repr, [*table.cells, *table.ignored]))}; no {', '.join(lacking)}"
         )
-
-    def built(row: Row) -> tuple[str, float, float] | None:
-        if {*row.numbers} < {"v", "e"}:
-            return None
-        (v, e), case = (row.numbers[name] for name in ("v", "e")), row.cells["case"]
-        if not case:
-            raise ValueError("case must be a name, got none")
-        if v <= 0.0:
-            raise ValueError(f"v must be positive, got {row.cells['v']}")
-        if not 0.0 <= e < MOST:
-            raise ValueError(f"e must be from 0 to {MOST:g}, got {row.cells['e']}{_percent(e)}")
-        return case, v, e
-
-    rows, notes = table.kept(built, skip_bad_rows=skip_bad_rows)
-    cases: dict[str, list[tuple[float, float]]] = {}
-    for case, v, e in rows:
-        cases.setdefault(case, []).append((v, e))
-    arrays = {case: np.array(pairs).T for case, pairs in cases.items()}
-    return {case: (v, e) for case, (v, e) in arrays.items()}, notes
+    v, e = (table.numbers[name] for name in ("v", "e"))
+    table.require("v", v > 0.0, "positive")
+    words = [cell + _percent(x) for cell, x in zip(table.cells["e"], e, strict=True)]
+    table.require("e", (e >= 0.0) & (e < MOST), f"from 0 to {MOST:g}", words)
+    names = np.array(table.cells["case"])
+    rows, notes = table.kept(np.isnan(v) | np.isnan(e) | (names == ""), skip_bad_rows=skip_bad_rows)
+    cases = {name: rows & (names == name) for name in dict.fromkeys(names[rows].tolist())}
+    return {name: (v[which], e[which]) for name, which in cases.items()}, notes

@@ -1,7 +1,7 @@
 """Tables of numbers with units, from text files as laboratories write them, or from memory.
 
 What stands behind the name of a column is understood as its unit, or refused. Speeds, and sizes,
-without a unit of their own are in that of the option, else in that which another column of their
+without a unit of their own are in that of the option, else in that which the first column of their
 kind states, else in SI units.
 """
 
@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
+from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.materials import LENGTH, SPEED
 from microimpact.core.nearest import nearest
 
@@ -45,8 +46,6 @@ _BRACKETS = re.compile(r"(.+?)[\s_/]*[(\[]([^()\[\]]*|\([^()]*\))[)\]]")
 _PARTED = re.compile(r"\s*:\s*|\s+(?:in|/)\s+|[\s_,/]+")
 _STATED = {":", "in", "/"}
 
-Kept = TypeVar("Kept")
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Column:
@@ -68,18 +67,6 @@ class Column:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
-    """One row: where it is, its cells as they are written, and its numbers in SI units.
-
-    A number that is missing is not there.
-    """
-
-    where: str
-    cells: Mapping[str, str]
-    numbers: Mapping[str, float]
-
-
-@dataclass(frozen=True, slots=True)
 class Table:
     """Rows by their columns.
 
@@ -87,68 +74,83 @@ class Table:
     ----------
     name
         Of the file.
-    columns
-        Columns that it has, of those looked for.
+    where
+        Places of the rows (n,).
+    cells, numbers
+        Columns as they are written, and as numbers in SI units, nan where there is none, (n,).
     units
         Unit of each column of numbers.
     stated
         Columns whose unit was given, by the header, a row of units, an option or a neighbour.
-    rows, bad
-        Rows, and what is wrong with the others.
     ignored
         Headers of columns that are not used.
+    bad
+        Complaint of each bad row, by its number.
     """
 
     name: str
-    columns: Sequence[str]
+    where: Sequence[str]
+    cells: Mapping[str, Sequence[str]]
+    numbers: Mapping[str, FloatArray]
     units: Mapping[str, str]
     stated: frozenset[str]
-    rows: Sequence[Row]
-    bad: Sequence[str]
     ignored: Sequence[str]
+    bad: dict[int, str]
 
-    def kept(
-        self, build: Callable[[Row], Kept | None], *, skip_bad_rows: bool
-    ) -> tuple[list[Kept], list[str]]:
-        """Build an item of each row, with notes on the rows left out.
+    def require(
+        self, column: str, good: BoolArray, allowed: str, got: Sequence[str] | None = None
+    ) -> None:
+        """Take rows for bad whose number is there and not good.
 
         Parameters
         ----------
-        build
-            Returns None if the row lacks a number; raises ValueError if it has a wrong one.
+        column
+            The column.
+        good
+            Whether the number is (n,).
+        allowed
+            Words for what is.
+        got
+            Words for the numbers (n,); None: the cells.
+        """
+        words = got or self.cells[column]
+        for i in np.flatnonzero(~good & np.isfinite(self.numbers[column])).tolist():
+            self.bad.setdefault(i, f"{column} must be {allowed}, got {words[i]}")
+
+    def kept(self, lacking: BoolArray, *, skip_bad_rows: bool) -> tuple[BoolArray, list[str]]:
+        """Return the rows to be used (n,), and notes on the others.
+
+        Parameters
+        ----------
+        lacking
+            Rows that lack a number (n,).
         skip_bad_rows
-            Whether wrong rows are left out, too.
+            Whether bad rows are left out.
 
         Raises
         ------
         ValueError
-            Naming all wrong rows, or that none is left.
+            Naming all bad rows, or that none is left.
         """
-        built, bad, skipped = [], list(self.bad), []
-        for row in self.rows:
-            try:
-                made = build(row)
-            except ValueError as error:
-                bad.append(f"{row.where}: {error}")
-                continue
-            if made is None:
-                skipped.append(row.where)
-            else:
-                built.append(made)
-        bad.sort(key=lambda words: int(words.partition(":")[0].split()[1]))
-        wrong = f"{self.name}, {_listed(bad, '; ')}"
-        if bad and not skip_bad_rows:
-            many = f"; {len(bad)} bad rows" if len(bad) > 1 else ""
+        numbers = sorted(self.bad)
+        complaints = [f"{self.where[i]}: {self.bad[i]}" for i in numbers]
+        wrong, notes = f"{self.name}, {_listed(complaints, '; ')}", []
+        if numbers and not skip_bad_rows:
+            many = f"; {len(numbers)} bad rows" if len(numbers) > 1 else ""
             raise ValueError(f"{wrong}{many}; --skip-bad-rows leaves them out")
-        notes = [f"bad rows are left out: {wrong}"] if bad else []
+        if numbers:
+            notes.append(f"bad rows are left out: {wrong}")
+        good = np.ones(len(self.where), bool)
+        good[numbers] = False
+        skipped = [self.where[i] for i in np.flatnonzero(good & lacking).tolist()]
         if skipped:
             notes.append(
-                f"{self.name}: {len(skipped)} of {len(self.rows)} rows lack a number and are "
-                f"skipped: {_listed(skipped, ', ')}"
+                f"{self.name}: {len(skipped)} of {good.size} rows lack a number and are skipped: "
+                f"{_listed(skipped, ', ')}"
             )
-        if not built:
+        if not np.any(good & ~lacking):
             raise ValueError("; ".join([f"{self.name}: no data below the header", *notes]))
-        return built, notes
+        return good & ~lacking, notes
 
 
 def _listed(words: Sequence[str], between: str) -> str:
@@ -163,7 +165,6 @@ def read_table(
     columns: Mapping[str, str] | None = None,
     delimiter: str | None = None,
     decimal: str | None = None,
-    encoding: str | None = None,
 ) -> Table:
     """Read a text file, a data frame, or a mapping of arrays.
 
@@ -178,7 +179,7 @@ def read_table(
         Units by kind where the header has none; None: not given.
     columns
         Headers in the source by the names of columns.
-    delimiter, decimal, encoding
+    delimiter, decimal
         As of `microimpact.measured.rebounds.read_rebounds`.
 
     Raises
@@ -190,54 +191,53 @@ def read_table(
     """
     options = {kind: _option(kind, unit) for kind, unit in units.items() if unit is not None}
     if isinstance(source, str | Path):
-        name, header, rows = _file(Path(source), delimiter, encoding)
+        name, header, rows = _file(Path(source), delimiter)
     else:
         name, header, rows = _in_memory(source)
         decimal = "."
     places, stated = _places(name, header, wanted, columns or {}, options)
     width = max((at for at, cell in enumerate(header, 1) if cell), default=0)
-    named, bad = [], []
-    for where, cells in rows:
-        # Spreadsheets end lines with separators of empty columns.
-        if len(cells) < width or any(cells[len(header) :]):
-            bad.append(f"{where}: {len(cells)} cells, but {len(header)} columns in the header")
-        else:
-            named.append((where, {column: cells[at] for column, at in places.items()}))
     numeric = [column for column in places if wanted[column].units]
-    if named and (below := _row_of_units(name, *named[0], numeric, wanted)):
+    first = {column: rows[0][1][at] for column, at in places.items() if at < len(rows[0][1])}
+    if below := _row_of_units(f"{name}, {rows[0][0]}", first, numeric, wanted):
         if twice := [each for each in below if stated.get(each, below[each]) != below[each]]:
             raise ValueError(f"{name}: the units of {', '.join(twice)} must be the same twice")
         stated |= below
-        named = named[1:]
-    mark = _decimal(name, [cells[c] for _, cells in named for c in numeric], decimal)
+        rows = rows[1:]
+    bad = {
+        i: f"{len(cells)} cells, but {len(header)} columns in the header"
+        for i, (_, cells) in enumerate(rows)
+        # Spreadsheets end lines with separators of empty columns.
+        if len(cells) < width or any(cells[len(header) :])
+    }
+    texts = {
+        column: ["" if i in bad else cells[at] for i, (_, cells) in enumerate(rows)]
+        for column, at in places.items()
+    }
+    mark = _decimal(name, [cell for column in numeric for cell in texts[column]], decimal)
     units_of, known = _units(numeric, wanted, stated, options)
-    built = []
-    for where, texts in named:
-        try:
-            numbers = {
-                column: number * wanted[column].units[units_of[column]]
-                for column in numeric
-                if (number := _number(column, texts[column], mark)) is not None
-            }
-        except ValueError as error:
-            bad.append(f"{where}: {error}")
-        else:
-            built.append(Row(where, texts, numbers))
+    numbers = {column: np.full(len(rows), np.nan) for column in numeric}
+    for column, values in numbers.items():
+        for i, cell in enumerate(texts[column]):
+            try:
+                values[i] = wanted[column].units[units_of[column]] * _number(cell, mark)
+            except ValueError:
+                bad.setdefault(i, f"{column} must be a number, got {cell!r}")
     ignored = [cell for at, cell in enumerate(header) if cell and at not in places.values()]
-    return Table(name, [*places], units_of, known, built, bad, ignored)
+    where = [place for place, _ in rows]
+    return Table(name, where, texts, numbers, units_of, known, ignored, bad)
 
 
-def _file(
-    path: Path, delimiter: str | None, encoding: str | None
-) -> tuple[str, list[str], list[tuple[str, list[str]]]]:
+def _file(path: Path, delimiter: str | None) -> tuple[str, list[str], list[tuple[str, list[str]]]]:
     """Name, header, and rows with their places, of a text file."""
     lines = [
         (f"line {at}", line)
-        for at, line in enumerate(_text(path, encoding).splitlines(), 1)
+        for at, line in enumerate(_text(path).splitlines(), 1)
         if line.strip() and not line.lstrip().startswith(COMMENTS)
     ]
-    if not lines:
-        raise ValueError(f"{path.name}: no header and no data")
+    if len(lines) < 2:
+        what = "data below the header" if lines else "header"
+        raise ValueError(f"{path.name}: no {what}")
     separator = _separator(lines[0][1], delimiter)
     header, *rows = [
         (where, _cells(f"{path.name}, {where}", line, separator)) for where, line in lines
@@ -245,25 +245,15 @@ def _file(
     return path.name, header[1], rows
 
 
-def _text(path: Path, encoding: str | None) -> str:
+def _text(path: Path) -> str:
     data = path.read_bytes()
     if data.startswith(b"PK\x03\x04"):
         raise ValueError(f"{path.name}: must be a text, got a workbook or archive; save it as CSV")
+    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
     try:
-        if encoding:
-            return data.decode(encoding)
-        if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-            return data.decode("utf-16")
-        try:
-            return data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            return data.decode("latin-1")
-    except LookupError:
-        raise ValueError(f"encoding must be one that Python knows, got {encoding!r}") from None
-    except UnicodeDecodeError as error:
-        raise ValueError(
-            f"{path.name}: must be a text in {encoding or 'UTF-16'}, byte {error.start} is not"
-        ) from None
+        return data.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
 
 
 def _separator(header: str, delimiter: str | None) -> str:
@@ -309,6 +299,8 @@ def _in_memory(source: Any) -> tuple[str, list[str], list[tuple[str, list[str]]]
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
         raise ValueError(f"data: columns must be of one length, got {listed}")
+    if not any(lengths.values()):
+        raise ValueError("data: no rows")
     rows = zip(*arrays.values(), strict=True)
     return "data", [*arrays], [(f"row {at}", [*map(str, row)]) for at, row in enumerate(rows)]
 
@@ -321,10 +313,12 @@ def _places(
     options: Mapping[str, str],
 ) -> tuple[dict[str, int], dict[str, str]]:
     """Place of each column, and the units that the header states."""
-    usual = {name: name for name in columns} | {
-        alias: name for name, column in columns.items() for alias in column.names
+    usual = {
+        alias: name
+        for name, column in columns.items()
+        for alias in (name, *column.names)
+        if name not in renamed
     }
-    usual = {alias: name for alias, name in usual.items() if name not in renamed}
     for name in renamed:
         if name not in columns:
             raise ValueError(
@@ -424,32 +418,25 @@ def _option(kind: str, unit: str) -> str:
 
 
 def _row_of_units(
-    table: str,
-    where: str,
-    cells: Mapping[str, str],
-    numeric: Sequence[str],
-    columns: Mapping[str, Column],
+    where: str, cells: Mapping[str, str], numeric: Sequence[str], columns: Mapping[str, Column]
 ) -> dict[str, str]:
     """Units in the first row, by column; empty if that is no row of units.
 
     Raises ValueError if it has words in all columns of numbers, of which one is no unit.
     """
-    words = {name: cells[name] for name in numeric if cells[name].lower() not in MISSING}
+    words = {name: cells[name] for name in numeric if cells.get(name, "").lower() not in MISSING}
     units = {name: unit_of(word, columns[name].units) for name, word in words.items()}
-    figures = {name for name, word in words.items() if _is_number(word)}
+    figures = {name for name, word in words.items() if re.match(r"[-+.,]*\d", word)}
     if figures == {*words} or any(units[name] is None for name in figures):
         return {}
-    stated = {}
-    for name, word in words.items():
-        unit = units[name]
+    for name, unit in units.items():
         if unit is None:
             allowed = ", ".join(filter(None, columns[name].units))
             raise ValueError(
-                f"{table}, {where}: {name} must be a number, or one of the units {allowed}, "
-                f"got {word!r}"
+                f"{where}: {name} must be a number, or one of the units {allowed}, got "
+                f"{words[name]!r}"
             )
-        stated[name] = unit
-    return stated
+    return {name: unit for name, unit in units.items() if unit}
 
 
 def _units(
@@ -459,18 +446,14 @@ def _units(
     options: Mapping[str, str],
 ) -> tuple[dict[str, str], frozenset[str]]:
     """Unit of each column of numbers, and which of them are stated somewhere."""
-    of_kind: dict[str, str] = {}
-    for name, unit in stated.items():
-        if unit in OPTIONS.get(columns[name].kind, ("", {}))[1]:
-            of_kind.setdefault(columns[name].kind, unit)
-    of_kind |= options
+    first: dict[str, str] = {}
     units, known = {}, set()
-    for name in numeric:
-        column = columns[name]
-        shared = stated.get(name) or of_kind.get(column.kind, "")
-        usual = OPTIONS[column.kind][0] if column.kind else next(iter(column.units))
-        units[name] = shared or usual
-        known |= {name} if shared else set()
+    for name in (name for name in columns if name in numeric):
+        kind = columns[name].kind
+        unit = stated.get(name) or options.get(kind) or first.get(kind, "")
+        first.setdefault(kind, unit if kind else "")
+        known |= {name} if unit else set()
+        units[name] = unit or (OPTIONS[kind][0] if kind else next(iter(columns[name].units)))
     return units, frozenset(known)
 
 
@@ -491,22 +474,11 @@ def _decimal(table: str, cells: Sequence[str], decimal: str | None) -> str:
     return "," if commas else "."
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word.replace(",", "."))
-    except ValueError:
-        return False
-    return True
-
-
-def _number(column: str, cell: str, mark: str) -> float | None:
-    """Number of a cell, None where it is missing."""
+def _number(cell: str, mark: str) -> float:
+    """Number of a cell, nan where it is missing; raises ValueError if it is no finite one."""
     if cell.lower() in MISSING:
-        return None
-    try:
-        number = float(cell.translate({ord(mark): ".", ord(_OTHER[mark]): "?"}))
-    except ValueError:
-        number = np.nan
+        return np.nan
+    number = float(cell.translate({ord(mark): ".", ord(_OTHER[mark]): "?", ord("_"): "?"}))
     if not np.isfinite(number):
-        raise ValueError(f"{column} must be a number, got {cell!r}")
+        raise ValueError(cell)
     return number

@@ -130,13 +130,14 @@ def test_errors_of_speed_and_diameters_are_read(written, text):
         ("v,e\n1,1.01\n", "e must be from 0 to 1, got 1.01"),
         ("v,e,angle\n1,0.5,91\n", "angle must be above 0 and at most 90 degrees, got 91"),
         ("v,e\n1,0.5\n2\n", "line 3: 1 cells, but 2 columns"),
+        ("v,e\n1_0,0.5\n", "line 2: v must be a number, got '1_0'"),
         ("v,e\n1,fast\n", "line 2: e must be a number, got 'fast'"),
         ("v,e\n0,0.5\n", "v must be positive, got 0"),
         ("v,e\n1,70\n", "line 2: e must be from 0 to 1, got 70; are these percent?"),
         ("v,e\n1,-0.1\n", "e must be from 0 to 1"),
         ("v,V\n1,1.5\n", "V/v = 1.5"),
         ("v,e,sigma\n1,0.5,0\n", "sigma must be above 0"),
-        ("v,e,captured\n1,0.5,yes\n", "captured, but e is 0.5"),
+        ("v,e,captured\n1,0.5,yes\n", "e must be 0 or empty for a captured sphere, got 0.5"),
         ("v,e,captured\n1,0.5,maybe\n", "captured must be yes or no, got 'maybe'"),
     ],
 )
@@ -189,8 +190,6 @@ def test_a_frame_and_a_mapping_are_read_as_a_file():
         ({"columns": {"v": "Speed"}}, r"mine.csv: no column 'Speed' \(known here: e, v\)"),
         ({"delimiter": "/"}, "delimiter must be one of comma, semicolon"),
         ({"decimal": "/"}, "decimal must be '.' or ','"),
-        ({"encoding": "latin-99"}, "encoding must be one that Python knows, got 'latin-99'"),
-        ({"encoding": "ascii"}, "must be a text in ascii, byte 2 is not"),
     ],
 )
 def test_wrong_options_are_refused(written, options, message):
@@ -201,7 +200,7 @@ def test_wrong_options_are_refused(written, options, message):
 def test_forms_that_are_stated_are_taken(tmp_path):
     path = tmp_path / "mine.csv"
     path.write_text("v;e\n1,5;0,5\n", encoding="utf-16")
-    data = read_rebounds(path, delimiter="semicolon", decimal=",", encoding="utf-16")
+    data = read_rebounds(path, delimiter="semicolon", decimal=",")
     assert data.v.tolist() == [1.5]
     assert read_rebounds(path).v.tolist() == [1.5]
 
@@ -258,6 +257,13 @@ def test_the_error_of_a_speed_is_in_a_ratio_of_speeds(speed):
     assert np.std(e - curve(v)) == pytest.approx(expected, rel=0.04)
     restitutions = {"v": columns["v"], "e": [0.5, 0.8]}
     assert read_rebounds(restitutions, sigma=0.01, sigma_v=0.01).sigma.tolist() == [0.01, 0.01]
+
+
+def test_a_speed_is_not_in_the_unit_of_its_error(written):
+    data = read_rebounds(written("v,e,sigma_v (mm/s)\n0.5,0.6,5\n"))
+    assert (data.v, data.sigma_v) == (pytest.approx([0.5]), pytest.approx([0.005]))
+    data = read_rebounds(written("v (mm/s),V,sigma_v\n500,300,5\n"))
+    assert (data.e, data.sigma_v) == (pytest.approx([0.6]), pytest.approx([0.005]))
 
 
 def test_noise_above_one_is_data(written):
