@@ -137,6 +137,8 @@ class Rebounds(Readable):
         return self.read
 
 
+# Numbers of rows that are left out may be any.
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def read_rebounds(
     source: Path | str | Mapping[str, Any],
     unit: str | None = None,
@@ -157,8 +159,9 @@ def read_rebounds(
     source
         The file (UTF-8, UTF-16 or Latin-1), or the table, with the columns `COLUMNS`, of which v
         and e or V are needed; others are left out. Lines that begin with ``#`` or ``%`` are
-        comments, rows without their numbers are skipped; ``notes`` says so. A captured sphere has ``captured`` yes, or e (or V) 0, and
-        needs no ``sigma``: it takes the median one of the others.
+        comments, rows without their numbers are skipped; ``notes`` says so. A captured sphere has
+        ``captured`` yes, or e (or V) 0, and needs no ``sigma``: it takes the median one of the
+        others.
     unit, size_unit
         Units of speeds and of sizes, where the table states none; None: SI units.
     columns
@@ -215,7 +218,7 @@ def read_rebounds(
     kept: dict[str, Any] = {name: np.array(x[rows]) for name, x in arrays.items()}
     if "sigma" in kept:
         known = kept["sigma"][np.isfinite(kept["sigma"])]
-        median = np.median(known) if known.size else np.nan
+        median = np.median(known) if known.size else 1.0  # no sphere rebounds
         kept["sigma"] = np.where(np.isfinite(kept["sigma"]), kept["sigma"], median)
         if after == "V" and "sigma_v" in kept:
             kept["sigma"] = _of_ratio(**kept)
@@ -276,8 +279,7 @@ def _restitutions(
 ) -> dict[str, FloatArray]:
     """Restitutions and their sigma (n,), nan where a captured sphere has none."""
     measured = table.numbers[after]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        e = np.where(captured, 0.0, measured if after == "e" else np.abs(measured) / v)
+    e = np.where(captured, 0.0, measured if after == "e" else np.abs(measured) / v)
     sigma = table.numbers.get("sigma")
     if sigma is not None:
         sigma = np.where(captured & (sigma == 0.0), np.nan, sigma)
@@ -334,9 +336,10 @@ def _relative(
         flag = _flag(name.replace("sigma_d", "size_scatter"))
         form = "'1.5%' or a number in m/s" if name == "sigma_v" else "'7%' or 'free'"
         raise ValueError(f"{flag} must be as {form}, below 50 %, got {option!r}")
-    relative = np.full(len(table.where), amount) if share or values is None else amount / values
-    table.require(whole, relative < HALF, f"above twice {name}")
-    return relative
+    if share or values is None:
+        return np.full(len(table.where), amount)
+    table.require(whole, amount / values < HALF, f"above twice {name}")
+    return amount / values
 
 
 def _flag(name: str) -> str:

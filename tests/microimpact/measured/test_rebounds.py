@@ -133,6 +133,7 @@ def test_errors_of_speed_and_diameters_are_read(written, text):
         ("v,e\n1_0,0.5\n", "line 2: v must be a number, got '1_0'"),
         ("v,e\n1,fast\n", "line 2: e must be a number, got 'fast'"),
         ("v,e\n0,0.5\n", "v must be positive, got 0"),
+        ("v,V,sigma_v\n0,0.5,0.1\n", "v must be positive, got 0"),
         ("v,e\n1,70\n", "line 2: e must be from 0 to 1, got 70; are these percent?"),
         ("v,e\n1,-0.1\n", "e must be from 0 to 1"),
         ("v,V\n1,1.5\n", "V/v = 1.5"),
