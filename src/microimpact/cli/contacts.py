@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
-from microimpact.cli.options import Pair, contact_options, quantiles
+from microimpact.cli.options import Pair, contact_options, joined, quantiles
 from microimpact.cli.output import (
     Command,
     Sweep,
@@ -122,7 +122,7 @@ def simulate_command(
     for contact, outcome in zip(chosen.contacts.values(), outcomes, strict=True):
         warn(doubts(contact, outcome.maximum_compression, limit))
     after = {
-        name: _summary(_joined([getattr(outcome, name) for outcome in outcomes]), chosen.draws)
+        name: _summary(joined([getattr(outcome, name) for outcome in outcomes]), chosen.draws)
         for name in _IMPACT
         if chosen.best.is_pair or name != "partner_spin"
     }
@@ -163,11 +163,6 @@ def _print_impact(title: str, after: Mapping[str, Summary], *, draws: bool) -> N
             rows.append((label, f"{numbers['value']} of all", "", unit))
     header = ("", "median", "95 %", "unit") if draws else ("", "value", "unit")
     print_table(title, header, rows)
-
-
-def _joined(values: Sequence[Any]) -> Any:
-    """Join values of draws by several laws along the first axis."""
-    return np.concatenate(values) if len(values) > 1 else values[0]
 
 
 def _summary(values: Any, draws: int) -> Summary:
@@ -274,13 +269,14 @@ def export_command(
         pair = replace(pair, numbers={**pair.numbers, "diameter": 1e-6 * diameters_um[0]})
     chosen = pair.contact()
     require_writable(f"{output}/law")
-    warn(chosen.doubts())
+    sizes = np.atleast_1d(1e-6 * checked("diameters-um", diameters_um or (), POSITIVE))
+    warn(chosen.doubts(*sizes.tolist()))
     contact = chosen.best
     if len(chosen.bests) > 1:
         laws = ", ".join(chosen.contacts)
         warn([f"of contacts by {laws}, the best by the {next(iter(chosen.bests))} is written"])
     if diameters_um is not None:
-        contact = contact.replace(diameter=1e-6 * checked("diameters-um", diameters_um, POSITIVE))
+        contact = contact.replace(diameter=sizes)
     files = export(contact, output, form, fastest, friction_basis, tolerance, speeds)
     written = [str(path) for path in files]
     warn(doubts(contact))

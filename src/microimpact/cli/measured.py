@@ -186,11 +186,18 @@ def calibrate_command(
     from microimpact.model.calibration import two_stage
     from microimpact.model.posterior import calibrate_laws
 
-    targets = _targets(data, restitution, at_speed, capture_velocity)
+    targets = {"--at-speed": at_speed, "--restitution": restitution}
+    targets["--capture-velocity"] = capture_velocity
+    values = [value for value in targets.values() if value is not None]
+    missing = [name for name, value in targets.items() if value is None]
+    if (data is None) == (not values):
+        raise ValueError(f"give either DATA, or {', '.join(targets)}")
+    if data is None and missing:
+        raise ValueError(f"without DATA give {', '.join(missing)}, too")
     if output:
         require_writable(output)
     if data is None:
-        contact = two_stage(pair.contact(DAMPING).best, *targets).contact
+        contact = two_stage(pair.contact(DAMPING).best, *values).contact
         contacts = bests = {RING_FORCE: contact}
         _print_contacts(contacts, bests, {RING_FORCE: 1.0}, "", as_json=as_json, file=output)
     else:
@@ -266,24 +273,6 @@ def _print_contacts(
             for symbol, numbers in ranges.items()
         ]
     print_table(title, ("", "best", "median", "95 % from", "to"), rows)
-
-
-def _targets(
-    data: str | None,
-    restitution: float | None,
-    at_speed: float | None,
-    capture_velocity: float | None,
-) -> tuple[float, float, float]:
-    """Speed, e at it and v_c; of no meaning where data take their place."""
-    numbers = {"--at-speed": at_speed, "--restitution": restitution}
-    numbers["--capture-velocity"] = capture_velocity
-    values = [value for value in numbers.values() if value is not None]
-    if (data is None) == (not values):
-        raise ValueError(f"give either DATA, or {', '.join(numbers)}")
-    missing = [name for name, value in numbers.items() if value is None]
-    if values and missing:
-        raise ValueError(f"without DATA give {', '.join(missing)}, too")
-    return (values[0], values[1], values[2]) if values else (0.0, 0.0, 0.0)
 
 
 def _measured(data: str, reading: Mapping[str, Any]) -> Rebounds:

@@ -147,25 +147,25 @@ class Chosen:
 
     def of_all(self, quantity: Callable[[Contact], Any]) -> Any:
         """Return a quantity of all draws, joined along the first axis."""
-        values = [quantity(contact) for contact in self.contacts.values()]
-        return np.concatenate(values) if len(values) > 1 else values[0]
+        return joined([quantity(contact) for contact in self.contacts.values()])
 
-    def doubts(self) -> Iterator[str]:
-        """Say that draws are extrapolated to another diameter, and how their laws disagree."""
+    def doubts(self, *diameters: float) -> Iterator[str]:
+        """Say that draws are extrapolated to other diameters, m, and how their laws disagree."""
+        from microimpact.model.contact import resized
         from microimpact.model.dynamics.capture import capture_velocity
 
-        size = float(self.best.diameter)
-        if self.measured is None or abs(size / self.measured - 1.0) < SAME_SIZE:
-            return
-        limits = [
-            f"{number(middle)} ({number(low)} to {number(high)}) by {law}"
-            for law, contact in self.contacts.items()
-            for low, middle, high in [quantiles(capture_velocity(contact))]
-        ]
-        yield (
-            f"the contacts were calibrated at {self.measured * 1e6:g} um and are extrapolated to "
-            f"{size * 1e6:g} um, each by its law: v_c = {'; '.join(limits)} m/s"
-        )
+        for size in diameters or (float(self.best.diameter),):
+            if self.measured is None or abs(size / self.measured - 1.0) < SAME_SIZE:
+                continue
+            limits = [
+                f"{number(middle)} ({number(low)} to {number(high)}) by {law}"
+                for law, contact in self.contacts.items()
+                for low, middle, high in [quantiles(capture_velocity(resized(contact, size)))]
+            ]
+            yield (
+                f"the contacts were calibrated at {self.measured * 1e6:g} um and are extrapolated "
+                f"to {size * 1e6:g} um, each by its law: v_c = {'; '.join(limits)} m/s"
+            )
 
     def title(self) -> str:
         """Pair and parameters, and a line on draws or on numbers that are not the declared ones."""
@@ -214,6 +214,11 @@ def _fields_of(contact: Contact) -> dict[str, Any]:
         return numbers
     parameters = {name: np.squeeze(value) for name, value in contact.law.parameters.items()}
     return numbers | {"law": contact.law.name} | parameters
+
+
+def joined(values: Sequence[Any]) -> Any:
+    """Join values of draws by several laws along the first axis."""
+    return np.concatenate(values) if len(values) > 1 else values[0]
 
 
 def quantiles(values: Any) -> tuple[float, float, float]:
