@@ -19,8 +19,8 @@ Path("rebounds.csv").write_text("""v (cm/s),e,sigma
 170,0.71,0.02
 250,0.66,0.02
 """)
-data = read_rebounds("rebounds.csv")
-comparison = compare_models(data.v, data.e, data.sigma, sigma_v=0.01 * data.v)
+data = read_rebounds("rebounds.csv", sigma_v="1%")
+comparison = compare_models(**data)
 print(comparison)
 
 figure, axes = plt.subplots(layout="constrained")

@@ -10,7 +10,6 @@ from .model import SpatialImpact as SpatialImpact
 from .model import ThorntonNing as ThorntonNing
 from .model import Trajectory as Trajectory
 from .model import bootstrap_v_c as bootstrap_v_c
-from .model import calibrate as calibrate
 from .model import calibrate_laws as calibrate_laws
 from .model import capture_velocity as capture_velocity
 from .model import compare_models as compare_models
@@ -23,5 +22,6 @@ from .model import simulate as simulate
 from .model import spatial as spatial
 from .model import tabulate as tabulate
 from .model import trajectory as trajectory
+from .model.declared import contacts as contacts
 
 __version__: str

@@ -15,6 +15,7 @@ from microimpact.cli.contacts import (
     simulate_command,
 )
 from microimpact.cli.measured import calibrate_command, fit_command
+from microimpact.cli.output import echo
 from microimpact.cli.reference import reference_command, verify_command
 from microimpact.core.extras import missing
 
@@ -32,23 +33,23 @@ def run(group: click.Group) -> None:
         error.show()
         sys.exit(error.exit_code)
     except click.ClickException as error:
-        click.echo(f"microimpact: {error.format_message()}", err=True)
+        echo(f"microimpact: {error.format_message()}", err=True)
         sys.exit(error.exit_code)
     except click.Abort:
         sys.exit(130)
     except ModuleNotFoundError as error:
-        click.echo(f"microimpact: {missing(error)}", err=True)
+        echo(f"microimpact: {missing(error)}", err=True)
         sys.exit(2)
     except OSError as error:
         message = f"{error.filename}: {error.strerror}" if error.filename else error
-        click.echo(f"microimpact: {message}", err=True)
+        echo(f"microimpact: {message}", err=True)
         sys.exit(2)
     except (ValueError, TypeError) as error:
-        click.echo(f"microimpact: {error}", err=True)
+        echo(f"microimpact: {error}", err=True)
         sys.exit(2)
     except RuntimeError as error:
         # An integration that failed: no fault of the input.
-        click.echo(f"microimpact: {error}", err=True)
+        echo(f"microimpact: {error}", err=True)
         sys.exit(1)
 
 
@@ -84,7 +85,7 @@ def commands() -> None:
     """
 
 
-@click.command("warm-up")
+@click.command("warm-up", short_help="Compile the models once.")
 def warm_up_command() -> None:
     """Compile the models once, in about half a minute, so that no later command has to."""
     from microimpact.lab.warm import main as compile_all

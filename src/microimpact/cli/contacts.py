@@ -4,38 +4,33 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
-from microimpact.cli.output import Sweep, number, print_json, print_table, warn
-from microimpact.core.arrays import POSITIVE, checked
-from microimpact.core.materials import Material, read_materials
-from microimpact.core.nearest import nearest
-from microimpact.core.plausible import implausible
-from microimpact.model.choices import (
-    CALIBRATED,
-    FORMATS,
-    FRICTION_BASES,
-    INTERVAL,
-    STIFFNESS_MODELS,
-    TANGENTIAL_LAWS,
+from microimpact.cli.options import Pair, contact_options, joined, quantiles
+from microimpact.cli.output import (
+    Command,
+    Sweep,
+    echo,
+    number,
+    option,
+    print_json,
+    print_table,
+    warn,
 )
-from microimpact.model.contact_laws import NAMES as LAW_NAMES
-from microimpact.model.contact_laws import RING_FORCE, named_law
+from microimpact.core.arrays import POSITIVE, checked
+from microimpact.core.files import require_writable
+from microimpact.core.materials import read_materials
+from microimpact.core.plausible import implausible
+from microimpact.model.choices import FORMATS, FRICTION_BASES, INTERVAL, TANGENTIAL_LAWS
 
 if TYPE_CHECKING:
     from microimpact.core.arrays import FloatArray
-    from microimpact.model.contact import Contact
-    from microimpact.model.contact_laws import ContactLaw
 
-# Diameters that differ by less than this share are one.
-SAME_SIZE = 0.01
-Command = Callable[..., None]
-Pair = tuple[str, str]
 # Values of impacts (n,) by "value", and over draws by "low" and "high", too.
 Summary = Mapping[str, Any]
 
@@ -54,22 +49,8 @@ _IMPACT = {
     "energy_loss": ("energy loss, total", "", 1.0),
     "translational_energy_loss": ("energy loss, translational", "", 1.0),
 }
-# Options that replace a number of the declared pair.
-_NUMBERS = {
-    "diameter-um": "Diameter, um; default: the pair's.",
-    "partner-diameter-um": "Diameter of a second, free sphere in place of the surface, um.",
-    "work-of-adhesion": "w_A, J/m2.",
-    "ring-force": "f_0, N/m, in place of w_A.",
-    "hertz-damping": "c_H, s/m.",
-    "adhesion-damping": "c_A, s/m.",
-    "adhesion-rate-exponent": "n in c_A (v_N/v_n)^n.",
-    "reference-velocity": "v_N, m/s.",
-    "friction": "Coulomb coefficient f.",
-}
-_FIELDS = [name.replace("-", "_") for name in _NUMBERS if not name.endswith("diameter-um")]
-# Properties of a pair, and their symbols.
+# Properties of a pair beside its diameter, and their symbols.
 _SYMBOLS = {
-    "diameter": "d",
     "work_of_adhesion": "w_A",
     "ring_force": "f_0",
     "hertz_damping": "c_H",
@@ -78,22 +59,8 @@ _SYMBOLS = {
     "reference_velocity": "v_N",
     "friction": "f",
 }
-# Options of a material: its field, the factor to SI, and words.
-_ELASTIC = {
-    "youngs-modulus-gpa": ("youngs_modulus", 1e9, "E, GPa"),
-    "poissons-ratio": ("poissons_ratio", 1.0, "nu"),
-    "density": ("density", 1.0, "kg/m3"),
-}
-_BODIES = [
-    f"{role}_{name}".replace("-", "_") for role in ("particle", "surface") for name in _ELASTIC
-]
-# Parameters of other laws of the normal force: options, factors to SI, and words.
-_LAW_NUMBERS = {
-    "viscous_time": ("viscous-time-ns", 1e-9, "Of jkr: relaxation time A of the bulk, ns."),
-    "yield_pressure": ("yield-pressure-gpa", 1e9, "Of thornton-ning: p_y, GPa."),
-    "unloading_work": ("unloading-work", 1.0, "Of hysteresis: work of separation, J/m2."),
-}
-_basis_option = click.option(
+_basis_option = option(
+    "Impact",
     "--friction-basis",
     type=click.Choice((*FRICTION_BASES, "pull-off")),
     default=FRICTION_BASES[0],
@@ -102,171 +69,29 @@ _basis_option = click.option(
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Chosen:
-    """The contact that the options make.
-
-    Attributes
-    ----------
-    contacts
-        The contact, by its law; from a file of draws, arrays of shape (draws, 1) by each law.
-    bests
-        The best draws, or the contact itself.
-    replaced
-        Properties of the declared pair that options replaced.
-    measured
-        Diameter at which draws were calibrated, m; None for a contact that is no draw.
-    """
-
-    contacts: Mapping[str, Contact]
-    bests: Mapping[str, Contact]
-    replaced: Sequence[str] = ()
-    measured: float | None = None
-
-    @property
-    def best(self) -> Contact:
-        """The best draw by the heaviest law, or the contact itself."""
-        return next(iter(self.bests.values()))
-
-    @property
-    def draws(self) -> int:
-        """Number of draws, 0 for one contact."""
-        shapes = [contact.shape for contact in self.contacts.values()]
-        return sum(int(np.prod(shape)) for shape in shapes if shape)
-
-    def of_all(self, quantity: Callable[[Contact], Any]) -> Any:
-        """Return a quantity of all draws, joined along the first axis."""
-        return _joined([quantity(contact) for contact in self.contacts.values()])
-
-    def doubts(self, *diameters: float) -> Iterator[str]:
-        """Say that draws are extrapolated to other diameters, m, and how their laws disagree."""
-        from microimpact.model.contact import resized
-        from microimpact.model.dynamics.capture import capture_velocity
-
-        for size in diameters or (float(self.best.diameter),):
-            if self.measured is None or abs(size / self.measured - 1.0) < SAME_SIZE:
-                continue
-            limits = [
-                f"{number(middle)} ({number(low)} to {number(high)}) by {law}"
-                for law, contact in self.contacts.items()
-                for low, middle, high in [quantiles(capture_velocity(resized(contact, size)))]
-            ]
-            yield (
-                f"the contacts were calibrated at {self.measured * 1e6:g} um and are extrapolated "
-                f"to {size * 1e6:g} um, each by its law: v_c = {'; '.join(limits)} m/s"
-            )
-
-    def title(self) -> str:
-        """Pair and parameters, and a line on draws or on numbers that are not the declared ones."""
-        contact = self.best
-        title = (
-            f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um"
-            f"{f' on {contact.partner_diameter * 1e6:g} um' if contact.is_pair else ''}: "
-            f"w_A = {contact.work_of_adhesion:.4g} J/m2, "
-        )
-        if contact.law is None:
-            title += (
-                f"c_H = {contact.hertz_damping:.4g} s/m, c_A = {contact.adhesion_damping:.4g} s/m, "
-                f"n = {contact.adhesion_rate_exponent:.4g}"
-            )
-        else:
-            parameters = contact.law.parameters.items()
-            title += f"{contact.law.name}, {', '.join(f'{k} = {v:.4g}' for k, v in parameters)}"
-        if self.draws:
-            parts = [f"{c.shape[0]} by {law}" for law, c in self.contacts.items() if c.shape]
-            laws = f", {', '.join(parts)}" if len(parts) > 1 else ""
-            return f"{title}\nThe best of {self.draws} contacts{laws}; intervals hold 95 % of them."
-        if not self.replaced:
-            return title
-        kept = ", ".join(name for name in CALIBRATED[:4] if name not in self.replaced)
-        changes = ", ".join(self.replaced)
-        return f"{title}\nNo longer the declared contact: {changes} by option, {kept} as declared."
-
-    def inputs(self) -> dict[str, Any]:
-        """All parameters in SI units, from which the answer can be computed again."""
-        contact = self.best
-        inputs: dict[str, Any] = {
-            role: asdict(getattr(contact, role)) for role in ("particle", "surface")
-        }
-        laws = {law: _fields_of(each) for law, each in self.contacts.items()}
-        inputs |= {"laws": laws} if len(laws) > 1 else next(iter(laws.values()))
-        if contact.is_pair:
-            inputs["partner_diameter"] = contact.partner_diameter
-        return inputs | {"stiffness_model": contact.stiffness_model}
-
-
-def _fields_of(contact: Contact) -> dict[str, Any]:
-    """Numbers of a contact in SI units, and its law if that is not the ring force."""
-    numbers = {
-        name: None if (value := getattr(contact, name)) is None else np.squeeze(value)
-        for name in ("diameter", "friction", "ring_force", *CALIBRATED)
-    }
-    if contact.law is None:
-        return numbers
-    parameters = {name: np.squeeze(value) for name, value in contact.law.parameters.items()}
-    return numbers | {"law": contact.law.name} | parameters
-
-
-def quantiles(values: Any) -> tuple[float, float, float]:
-    """Ends and middle of the 95 % interval of values."""
-    low, middle, high = np.quantile(values, INTERVAL, method="nearest").tolist()
-    return low, middle, high
-
-
-def contact_options(command: Command) -> Command:
-    """Give a command the options that make a contact, as ``pair``, and ``--json``."""
-    options = (
-        click.option("--particle", help="Material of the sphere."),
-        click.option("--surface", help="Material of the surface."),
-        click.option("--contact", "file", help="Contacts that 'microimpact calibrate' wrote."),
-        *(click.option(f"--{name}", type=float, help=text) for name, text in _NUMBERS.items()),
-        *(
-            click.option(f"--{role}-{name}", type=float, help=f"Of the {role}: {text}.")
-            for role in ("particle", "surface")
-            for name, (_, _, text) in _ELASTIC.items()
-        ),
-        click.option("--materials", help="CSV of own materials, as config/materials.csv."),
-        click.option(
-            "--law",
-            type=click.Choice(LAW_NAMES),
-            default=RING_FORCE,
-            show_default=True,
-            help="Law of the normal force; other ones have losses of their own.",
-        ),
-        *(
-            click.option(f"--{flag}", name, type=float, help=text)
-            for name, (flag, _, text) in _LAW_NUMBERS.items()
-        ),
-        click.option(
-            "--stiffness-model",
-            type=click.Choice(STIFFNESS_MODELS),
-            default=STIFFNESS_MODELS[0],
-            show_default=True,
-        ),
-        click.option("--json", "as_json", is_flag=True, help="JSON in SI units; infinity is null."),
-    )
-    for option in reversed(options):
-        command = option(command)
-    return command
-
-
-@click.command("simulate")
-@contact_options
-@click.option("--speed", type=Sweep(), required=True, help="Before impact, m/s.")
-@click.option("--angle", type=Sweep(), default="90", help="From the surface, degrees; default 90.")
-@click.option("--spin", type=Sweep(), default="0", help="Before impact, rad/s; default 0.")
-@click.option("--partner-spin", type=float, default=0.0, help="Of a second sphere, rad/s.")
+@click.command("simulate", cls=Command, short_help="One impact, or a sweep.")
+@option("Impact", "--speed", type=Sweep(), required=True, help="Before impact, m/s.")
+@option(
+    "Impact", "--angle", type=Sweep(), default="90", help="From the surface, degrees; default 90."
+)
+@option("Impact", "--spin", type=Sweep(), default="0", help="Before impact, rad/s; default 0.")
+@option("Impact", "--partner-spin", type=float, default=0.0, help="Of a second sphere, rad/s.")
 @_basis_option
-@click.option(
+@option(
+    "Impact",
     "--tangential",
     type=click.Choice(TANGENTIAL_LAWS),
     default=TANGENTIAL_LAWS[0],
     show_default=True,
     help="Compliance along the surface.",
 )
-@click.option(
-    "--yield-strength-mpa", type=float, help="Of the softer body, MPa: warns of impacts beyond."
+@option(
+    "Impact",
+    "--yield-strength-mpa",
+    type=float,
+    help="Of the softer body, MPa: warns of impacts beyond.",
 )
+@contact_options
 def simulate_command(
     speed: FloatArray,
     angle: FloatArray,
@@ -276,13 +101,13 @@ def simulate_command(
     tangential: str,
     yield_strength_mpa: float | None,
     as_json: bool,
-    **pair: Any,
+    pair: Pair,
 ) -> None:
     """Simulate one impact, or all of several speeds, angles and spins: then as CSV."""
     from microimpact.model.dynamics.impact import simulate
     from microimpact.model.plausibility import doubts
 
-    chosen = contact_of(**pair)
+    chosen = pair.contact()
     # All combinations, the last axis the fastest.
     axes = np.meshgrid(speed, angle, spin, indexing="ij")
     names = ("speed", "angle", "spin")
@@ -297,7 +122,7 @@ def simulate_command(
     for contact, outcome in zip(chosen.contacts.values(), outcomes, strict=True):
         warn(doubts(contact, outcome.maximum_compression, limit))
     after = {
-        name: _summary(_joined([getattr(outcome, name) for outcome in outcomes]), chosen.draws)
+        name: _summary(joined([getattr(outcome, name) for outcome in outcomes]), chosen.draws)
         for name in _IMPACT
         if chosen.best.is_pair or name != "partner_spin"
     }
@@ -321,7 +146,7 @@ def simulate_command(
         )
         _print_impact(title, after, draws=bool(chosen.draws))
     else:
-        click.echo(_csv(before, after), nl=False)
+        echo(_csv(before, after), nl=False)
 
 
 def _print_impact(title: str, after: Mapping[str, Summary], *, draws: bool) -> None:
@@ -338,11 +163,6 @@ def _print_impact(title: str, after: Mapping[str, Summary], *, draws: bool) -> N
             rows.append((label, f"{numbers['value']} of all", "", unit))
     header = ("", "median", "95 %", "unit") if draws else ("", "value", "unit")
     print_table(title, header, rows)
-
-
-def _joined(values: Sequence[Any]) -> Any:
-    """Join values of draws by several laws along the first axis."""
-    return np.concatenate(values) if len(values) > 1 else values[0]
 
 
 def _summary(values: Any, draws: int) -> Summary:
@@ -374,15 +194,15 @@ def _csv(before: Mapping[str, FloatArray], after: Mapping[str, Summary]) -> str:
     return target.getvalue()
 
 
-@click.command("capture")
+@click.command("capture", cls=Command, short_help="Capture velocity and scales of a contact.")
 @contact_options
-def capture_command(as_json: bool, **pair: Any) -> None:
+def capture_command(as_json: bool, pair: Pair) -> None:
     """Find the capture velocity of a sphere, and the scales of its contact."""
     from microimpact.model.closed_forms import contact_regime, tabor_number
     from microimpact.model.dynamics.capture import capture_velocity
     from microimpact.model.plausibility import doubts
 
-    chosen = contact_of(**pair)
+    chosen = pair.contact()
     limits = np.ravel(chosen.of_all(capture_velocity))
     warn(chosen.doubts())
     for each in chosen.contacts.values():
@@ -397,7 +217,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
         ("capture velocity", number(float(capture_velocity(contact))), "m/s"),
         ("stiffness K", number(contact.stiffness, 1e-9), "GPa"),
         ("work of adhesion w_A", number(contact.work_of_adhesion), "J/m2"),
-        ("Tabor's number, JKR or DMT", f"{number(tabor)}: {contact_regime(tabor)}", ""),
+        ("Tabor's number, JKR or DMT", number(tabor), contact_regime(tabor)),
     ]
     if contact.law is None:
         hertz_group, adhesion_group = contact.groups
@@ -415,8 +235,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
     print_table(chosen.title(), ("", "value", "unit"), rows)
 
 
-@click.command("export")
-@contact_options
+@click.command("export", cls=Command, short_help="The rebound law for other programs.")
 @click.option("--format", "form", type=click.Choice(FORMATS), default=FORMATS[0], show_default=True)
 @click.option("-o", "--output", default=".", show_default=True, help="Folder of the files.")
 @click.option(
@@ -430,6 +249,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
 )
 @click.option("--speeds", type=Sweep(), help="Of fitted coefficients, m/s; default 1.5 to 15 v_c.")
 @_basis_option
+@contact_options
 def export_command(
     form: str,
     output: str,
@@ -439,15 +259,16 @@ def export_command(
     speeds: FloatArray | None,
     friction_basis: str,
     as_json: bool,
-    **pair: Any,
+    pair: Pair,
 ) -> None:
     """Write the rebound law of a contact for a program of flow or of particles."""
     from microimpact.model.law.export import export
     from microimpact.model.plausibility import doubts
 
-    if diameters_um is not None and pair["diameter_um"] is None:
-        pair["diameter_um"] = diameters_um[0]
-    chosen = contact_of(**pair)
+    if diameters_um is not None and "diameter" not in pair.numbers:
+        pair = replace(pair, numbers={**pair.numbers, "diameter": 1e-6 * diameters_um[0]})
+    chosen = pair.contact()
+    require_writable(f"{output}/law")
     sizes = np.atleast_1d(1e-6 * checked("diameters-um", diameters_um or (), POSITIVE))
     warn(chosen.doubts(*sizes.tolist()))
     contact = chosen.best
@@ -465,20 +286,21 @@ def export_command(
         inputs = replace(chosen, contacts=whole, bests=whole).inputs() | options
         print_json({"inputs": inputs | {"friction_basis": friction_basis}, "files": written})
         return
-    click.echo(chosen.title())
+    echo(chosen.title())
     if diameters_um is not None:
-        click.echo(
-            "The law is for all diameters from {:g} to {:g} um.".format(*sorted(diameters_um))
-        )
-    click.echo("\n".join(written))
+        echo("The law is for all diameters from {:g} to {:g} um.".format(*sorted(diameters_um)))
+    echo("\n".join(written))
 
 
-@click.command("materials")
+@click.command("materials", short_help="Declared materials and pairs.")
 @click.option("--materials", help="CSV of own materials, as config/materials.csv.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
 def materials_command(materials: str | None, as_json: bool) -> None:
     """List the declared materials and pairs."""
-    known, pairs = _shipped()
+    from microimpact.core.declared import materials as shipped
+    from microimpact.model.pairs import declared_pairs
+
+    known, pairs = dict(shipped), declared_pairs()
     if materials is not None:
         known |= read_materials(materials)
     factors = {"youngs_modulus": 1e-9, "poissons_ratio": 1.0, "density": 1.0}
@@ -498,186 +320,14 @@ def materials_command(materials: str | None, as_json: bool) -> None:
         ],
     )
     print_table(
-        "Declared pairs (SI units)",
-        ("particle", "surface", *_SYMBOLS.values()),
+        "\nDeclared pairs (SI units, but for d)",
+        ("particle", "surface", "d (um)", *_SYMBOLS.values()),
         [
-            (*pair, *(f"{values[name]:g}" if name in values else "" for name in _SYMBOLS))
+            (
+                *pair,
+                number(values["diameter"], 1e6),
+                *(number(values[name]) if name in values else "" for name in _SYMBOLS),
+            )
             for pair, values in pairs.items()
         ],
     )
-
-
-def _shipped() -> tuple[dict[str, Material], dict[Pair, dict[str, float]]]:
-    """Shipped materials and pairs."""
-    from microimpact.core.declared import materials
-    from microimpact.model.pairs import declared_pairs
-
-    return dict(materials), declared_pairs()
-
-
-def contact_of(
-    particle: str | None,
-    surface: str | None,
-    file: str | None,
-    diameter_um: float | None,
-    partner_diameter_um: float | None,
-    materials: str | None,
-    missing: Sequence[str] = (),
-    **options: Any,
-) -> Chosen:
-    """Return the contact that the options make.
-
-    Parameters
-    ----------
-    particle, surface
-        Names of the materials.
-    file
-        Contacts as `measured.contacts.write_contacts` writes them: all but the diameter.
-    diameter_um, partner_diameter_um
-        um; None: that of the pair or of the file, and no second sphere.
-    materials
-        CSV of own materials.
-    missing
-        Options that the command lacks beside these, to be asked for together.
-    **options
-        All other options of `contact_options`; None where they are not set.
-
-    Raises
-    ------
-    OSError, ValueError
-        If a file cannot be read, or the options do not suffice or contradict each other.
-    """
-    microns = {"diameter": diameter_um, "partner_diameter": partner_diameter_um}
-    sizes = {name: size * 1e-6 for name, size in microns.items() if size is not None}
-    if file is not None:
-        excess = options | {"particle": particle, "surface": surface, "materials": materials}
-        return _from_file(file, sizes, excess, missing)
-    if particle is None or surface is None:
-        raise ValueError("give --particle and --surface, or --contact")
-    from microimpact.model.pairs import pair_contact
-
-    declared, pairs = _shipped()
-    if materials is not None:
-        declared |= read_materials(materials)
-    law = _law(options)
-    changes = {name: options[name] for name in _FIELDS}
-    changes |= {"stiffness_model": options["stiffness_model"]} | sizes
-    if law is not None:  # its losses take the place of any damping
-        changes |= {"hertz_damping": 0.0, "adhesion_damping": 0.0}
-    known = _completed((particle, surface), declared, pairs, options, changes, missing)
-    contact = pair_contact(particle, surface, known, pairs, **changes)
-    if law is not None:
-        contact = contact.by_law(law, contact.work_of_adhesion or 0.0)
-    whole = {RING_FORCE if law is None else law.name: contact}
-    replaced = []
-    if law is None and (particle, surface) in pairs:
-        replaced = [name for name in (*_FIELDS, *_BODIES) if options[name] is not None]
-    return Chosen(contacts=whole, bests=whole, replaced=replaced)
-
-
-def _law(options: Mapping[str, Any]) -> ContactLaw | None:
-    """Law of the normal force that the options make; None is the ring force.
-
-    Raises ValueError if a parameter is missing, or of another law.
-    """
-    name = options["law"]
-    parameters = {
-        key: factor * options[key]
-        for key, (_, factor, _) in _LAW_NUMBERS.items()
-        if options[key] is not None
-    }
-    damping = ("ring_force", "hertz_damping", "adhesion_damping", "adhesion_rate_exponent")
-    foreign = [_flag(key) for key in damping if options[key] is not None]
-    if name != RING_FORCE and foreign:
-        raise ValueError(f"--law {name} has losses of its own; leave out {', '.join(foreign)}")
-    try:
-        return named_law(name, parameters)
-    except ValueError as error:
-        if parameters:
-            raise
-        flags = ", ".join(f"--{flag}" for flag, _, text in _LAW_NUMBERS.values() if name in text)
-        raise ValueError(f"{error}: give {flags}") from None
-
-
-def _completed(
-    pair: Pair,
-    known: Mapping[str, Material],
-    pairs: Mapping[Pair, Mapping[str, float]],
-    options: Mapping[str, Any],
-    changes: Mapping[str, Any],
-    missing: Sequence[str],
-) -> Mapping[str, Material]:
-    """Known materials with those of the options; all options that are missing are asked for."""
-    from microimpact.model.pairs import IncompletePairError, pair_fields
-
-    reasons: list[str] = []
-    flags: list[str] = []
-    for role, name in zip(("particle", "surface"), pair, strict=True):
-        known, missing_here = _with_options(role, name, known, options)
-        if missing_here:
-            reasons.append(f"the material {name!r} is not declared{nearest(name, known)}")
-            flags += missing_here
-    try:
-        pair_fields(*pair, pairs, **changes)
-    except IncompletePairError as error:
-        reasons.append(f"{error.pair}{error.near}")
-        flags += ["--diameter-um" if name == "diameter" else _flag(name) for name in error.missing]
-    if flags or missing:
-        raise ValueError("; ".join([*reasons, f"give {', '.join([*flags, *missing])}"]))
-    return known
-
-
-def _flag(name: str) -> str:
-    """Command line option of a parameter."""
-    return f"--{name.replace('_', '-')}"
-
-
-def _with_options(
-    role: str, name: str, known: Mapping[str, Material], options: Mapping[str, Any]
-) -> tuple[dict[str, Material], list[str]]:
-    """Known materials, a body's with the properties that options give; and options it lacks."""
-    values = {option: options[f"{role}_{option.replace('-', '_')}"] for option in _ELASTIC}
-    fields: dict[str, Any] = {
-        field: factor * values[option]
-        for option, (field, factor, _) in _ELASTIC.items()
-        if values[option] is not None
-    }
-    missing = [f"--{role}-{option}" for option, value in values.items() if value is None]
-    if name not in known and missing:
-        return dict(known), missing
-    if not fields:
-        return dict(known), []
-    try:
-        body = replace(known[name], **fields) if name in known else Material(name=name, **fields)
-    except ValueError as error:
-        raise ValueError(f"--{role} {name!r}: {error}") from None
-    return {**known, name: body}, []
-
-
-def _from_file(
-    file: str, sizes: Mapping[str, float], others: Mapping[str, Any], missing: Sequence[str]
-) -> Chosen:
-    """Contacts of a file, at other diameters (m) if these are given.
-
-    Raises OSError or ValueError if the file cannot be read, other options are set, or some that the
-    command needs are missing.
-    """
-    from microimpact.measured.contacts import read_contacts
-    from microimpact.model.contact import resized
-
-    contacts, bests = read_contacts(file)
-    usual = {"stiffness_model": STIFFNESS_MODELS[0], "law": RING_FORCE}
-    flags = [_flag(n) for n, value in others.items() if value is not None and value != usual.get(n)]
-    if flags:
-        raise ValueError(
-            "--contact holds the whole contact, but the diameter may change; leave out "
-            f"{', '.join(flags)}"
-        )
-    if missing:
-        raise ValueError(f"give {', '.join(missing)}")
-    measured = float(next(iter(bests.values())).diameter)
-    contacts, bests = (
-        {law: resized(contact, **sizes) for law, contact in by_law.items()}
-        for by_law in (contacts, bests)
-    )
-    return Chosen(contacts=contacts, bests=bests, measured=measured)

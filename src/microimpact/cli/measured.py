@@ -3,63 +3,98 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping
 from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
-from microimpact.cli.contacts import contact_of, contact_options, quantiles
-from microimpact.cli.output import number, patience, print_json, print_table, warn
+from microimpact.cli.options import Pair, contact_options, flags, quantiles
+from microimpact.cli.output import (
+    Command,
+    echo,
+    number,
+    option,
+    patience,
+    print_json,
+    print_table,
+    warn,
+)
+from microimpact.core.files import require_writable
+from microimpact.core.plausible import implausible
 from microimpact.model.choices import CALIBRATED
 from microimpact.model.contact_laws import RING_FORCE
 
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
-    from microimpact.model.posterior import LawDraws
 
-# What a file may leave to options: the columns, and the options.
-_SPREADS = {"sigma": "--sigma", "sigma_v": "--sigma-v", "size_scatter": "--size-scatter"}
-_READ = ("unit", "columns", "delimiter", "decimal", "encoding", *_SPREADS)
 SYMBOLS = dict(zip(("w_A", "c_H", "c_A", "n"), CALIBRATED[:4], strict=True))
+# First values of what a calibration finds.
+DAMPING = dict.fromkeys(("hertz_damping", "adhesion_damping"), 0.1)
+BY_DATA = DAMPING | {"work_of_adhesion": 0.1, "adhesion_rate_exponent": 0.0}
+
+TABLE = {
+    "--unit": "Of speeds, where the table states none; default m/s.",
+    "--size-unit": "Of sizes, where the table states none: um, mm, ...; default m.",
+    "--columns": "Headers by the names above: 'v=Impact speed [cm/s],V=Rebound'.",
+    "--delimiter": "Between cells: comma, semicolon, tab, bar or space.",
+    "--decimal": "Of numbers: '.' or ','.",
+    "--skip-bad-rows": "Leave out rows with a wrong number, and name them.",
+}
+SPREADS = {
+    "--sigma": "Standard deviation of e, if no column gives it.",
+    "--sigma-v": "Standard deviation of the speeds, if no column gives it: '1.5%' or in m/s.",
+    "--size-scatter": "That of the diameters: '7%', or 'free': to be found.",
+}
 
 
-def data_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options that say how DATA is read, as ``reading``."""
-    options = (
-        click.option("--unit", help="Unit of the speeds where the header says none; default m/s."),
-        click.option(
-            "--columns", help="Headers by the names above: 'v=Impact speed [cm/s],V=Rebound'."
-        ),
-        click.option("--delimiter", help="Between cells: comma, semicolon, tab, bar or space."),
-        click.option("--decimal", help="Of numbers: '.' or ','."),
-        click.option("--encoding", help="Of the file; default UTF-8, or else Latin-1."),
-        click.option("--sigma", type=float, help="Standard deviation of e where no column has it."),
-        click.option("--sigma-v", help="That of the speeds where no column has it: '1.5%' or m/s."),
-        click.option("--size-scatter", help="That of the diameters: '7%', or 'free': to be found."),
-    )
+def table_options(words: Mapping[str, str]) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the options that say how a table is read, as ``reading``.
 
-    @wraps(command)
-    def with_reading(**options: Any) -> None:
-        reading = {name: options.pop(name) for name in _READ}
-        command(**options, reading=reading)
+    Parameters
+    ----------
+    words
+        Help by option.
+    """
+    types: dict[str, dict[str, Any]] = {
+        "--skip-bad-rows": {"is_flag": True},
+        "--sigma": {"type": float},
+    }
 
-    wrapped: Callable[..., None] = with_reading
-    for option in reversed(options):
-        wrapped = option(wrapped)
-    return wrapped
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def with_reading(**options: Any) -> None:
+            names = [flag[2:].replace("-", "_") for flag in words]
+            reading = {name: options.pop(name) for name in names}
+            columns = _headers(reading["columns"])
+            command(**options, reading=reading | {"columns": columns})
+
+        wrapped: Callable[..., None] = with_reading
+        for flag in reversed([*words]):
+            wrapped = option("Data", flag, help=words[flag], **types.get(flag, {}))(wrapped)
+        return wrapped
+
+    return decorate
 
 
-@click.command("fit")
+def _headers(columns: str | None) -> dict[str, str]:
+    """Headers by the names of columns."""
+    headers: dict[str, str] = {}
+    for part in re.split(r",(?=\s*\w+\s*=)", columns) if columns else ():
+        name, _, header = part.partition("=")
+        if not (name.strip() and header.strip()):
+            raise ValueError(f"--columns must be 'v=HEADER,e=HEADER', got {columns!r}")
+        headers[name.strip()] = header.strip()
+    return headers
+
+
+@click.command("fit", cls=Command, short_help="Capture velocity from measured restitutions.")
 @click.argument("data")
-@data_options
+@table_options(TABLE | SPREADS)
 @click.option("--confidence", type=float, default=0.95, show_default=True, help="Of intervals.")
-@click.option(
-    "--model", "models", multiple=True, help="Try the one of this name, not all; may be repeated."
-)
+@click.option("--model", "models", multiple=True, help="Fit only this model; may be repeated.")
 @click.option("--plot", help="Draw data, models and interval: a .png, .svg or .pdf file.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
 def fit_command(
@@ -73,20 +108,23 @@ def fit_command(
     """Find the capture velocity from measured restitutions, by several models.
 
     DATA is a text file with the columns v, and e or V (normal speeds before and after impact), and
-    optionally sigma (of e), sigma_v, d (diameter), sigma_d, captured (yes or no) and angle (degrees
-    from the surface; v is then the total speed). A header may have a unit: v (cm/s), sigma_v (%).
-    Comments begin with # or %. Other columns are not used.
+    optionally sigma (of e), sigma_v, d (diameter) or radius, sigma_d, captured (yes or no) and
+    angle (degrees from the surface; v is then the total speed). A header may have a unit: v (cm/s),
+    sigma_v (%). Comments begin with # or %. Other columns are not used.
     """
     from microimpact.model.empirical.comparison import compare_models
 
-    measured = _measured(data, **reading)
-    spreads = {name: getattr(measured, name) for name in ("sigma", "sigma_v", "d", "size_scatter")}
+    if plot:
+        from microimpact.measured.picture import require_format
+
+        require_format(plot)
+        require_writable(plot)
+    measured = _measured(data, reading)
     with patience(
         f"fitting {measured.v.size} points; with errors of speed or size this takes minutes"
     ):
-        comparison = compare_models(
-            measured.v, measured.e, **spreads, confidence=confidence, models=models or None
-        )
+        comparison = compare_models(**measured, confidence=confidence, models=models or None)
+    warn(implausible({"capture_velocity": comparison.v_c}))
     if plot:
         from microimpact.measured.picture import draw
 
@@ -95,6 +133,7 @@ def fit_command(
         numbers = ("free", "v_c", "interval", "chi_square", "criterion", "weight")
         print_json(
             {
+                "read": measured.read,
                 "v_c": comparison.v_c,
                 "v_c_interval": list(comparison.v_c_interval),
                 "confidence": comparison.confidence,
@@ -111,30 +150,23 @@ def fit_command(
             }
         )
         return
-    captured = int((measured.e == 0.0).sum())
-    title = f"{data}: {measured.v.size - captured} rebounds, {captured} captured"
-    click.echo(f"{title}\n{comparison.summary()}")
+    echo(f"{measured.read}\n{comparison.summary()}")
     warn(comparison.warnings)
 
 
-@click.command("calibrate")
+@click.command("calibrate", cls=Command, short_help="Contacts that measured restitutions admit.")
 @click.argument("data", required=False)
-@contact_options
-@data_options
-@click.option(
-    "--free",
-    help="By the ring force alone: parameters to be found, of w_A, c_H, c_A and n.",
-)
+@table_options(TABLE | SPREADS)
 @click.option("--draws", type=int, default=400, show_default=True, help="Contacts to be drawn.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--restitution", type=float, help="Without DATA: e at --at-speed.")
 @click.option("--at-speed", type=float, help="m/s.")
 @click.option("--capture-velocity", type=float, help="Without DATA: v_c, m/s.")
 @click.option("-o", "--output", help="File of the contacts, for --contact of other commands.")
+@contact_options
 def calibrate_command(
     data: str | None,
     reading: Mapping[str, Any],
-    free: str | None,
     draws: int,
     seed: int,
     restitution: float | None,
@@ -142,75 +174,66 @@ def calibrate_command(
     capture_velocity: float | None,
     output: str | None,
     as_json: bool,
-    **pair: Any,
+    pair: Pair,
 ) -> None:
     """Find contacts from measured restitutions, or c_H and c_A from two numbers.
 
     DATA is a file as of 'microimpact fit'. The result is a sample of contacts that agree with
     the data, by several laws of contact and with their weights; predictions from it ('microimpact
-    simulate --contact FILE') have a range. --free draws by the ring force alone.
+    simulate --contact FILE') have a range.
     """
     from microimpact.measured.contacts import write_contacts
     from microimpact.model.calibration import two_stage
-    from microimpact.model.posterior import FREE, calibrate, free_fields
-
-    targets = _targets(data, restitution, at_speed, capture_velocity)
-    names = FREE if free is None else free_fields(name.strip() for name in free.split(","))
-    names = ("hertz_damping", "adhesion_damping") if targets else names
-    measured = None if targets else _measured(str(data), **reading)
-    # Without it all contacts fit.
-    missing = [] if measured is None or measured.sigma is not None else ["--sigma or its column"]
-    start = _start(pair, names, missing)
-    weights, words = {RING_FORCE: 1.0}, ""
-    if measured is None:
-        contacts = bests = {RING_FORCE: two_stage(start, *(targets or ())).contact}
-    elif free is None:
-        with patience("drawing contacts by law; errors of speed or size take minutes"):
-            drawn = _by_laws(start, measured, draws, seed)
-        contacts, bests = dict(drawn.contacts), dict(drawn.best)
-        weights = {model.name: model.weight for model in drawn.comparison.models}
-        words = f"{drawn.summary()}\n"
-        warn(drawn.warnings)
-    else:
-        if not (measured.sigma_v is None and measured.d is None and measured.size_scatter is None):
-            raise ValueError(
-                "--free takes speeds and sizes as exact; leave it out, or their errors"
-            )
-        spread: Any = measured.sigma
-        with patience("drawing contacts by the ring force"):
-            posterior = calibrate(
-                start, measured.v, measured.e, spread, names, draws=draws, seed=seed
-            )
-        contacts, bests = {RING_FORCE: posterior.contact}, {RING_FORCE: posterior.best}
-        words = f"{posterior.summary()}\nThe ring force is supposed to be the law.\n"
-        warn(posterior.misfit.warnings)
-    if output:
-        write_contacts(output, contacts, bests)
-    _print_contacts(contacts, bests, weights, words, output, as_json=as_json)
-
-
-def _by_laws(start: Contact, measured: Rebounds, draws: int, seed: int) -> LawDraws:
-    """Draws by several laws."""
     from microimpact.model.posterior import calibrate_laws
 
-    sigma: Any = measured.sigma
-    spreads = {name: getattr(measured, name) for name in ("sigma_v", "d", "size_scatter")}
-    try:
-        return calibrate_laws(
-            start, measured.v, measured.e, sigma, **spreads, draws=draws, seed=seed
-        )
-    except ValueError as error:
-        raise ValueError(f"{error}; with --free the ring force alone is drawn") from None
+    targets = {"--at-speed": at_speed, "--restitution": restitution}
+    targets["--capture-velocity"] = capture_velocity
+    values = [value for value in targets.values() if value is not None]
+    missing = [name for name, value in targets.items() if value is None]
+    if (data is None) == (not values):
+        raise ValueError(f"give either DATA, or {', '.join(targets)}")
+    if data is None and missing:
+        raise ValueError(f"without DATA give {', '.join(missing)}, too")
+    if output:
+        require_writable(output)
+    if data is None:
+        contact = two_stage(pair.contact(DAMPING).best, *values).contact
+        contacts = bests = {RING_FORCE: contact}
+        _print_contacts(contacts, bests, {RING_FORCE: 1.0}, "", as_json=as_json, file=output)
+    else:
+        measured = _measured(data, reading)
+        start = _bodies(pair)
+        with patience("drawing contacts by law; errors of speed or size take minutes"):
+            drawn = calibrate_laws(start, **measured, draws=draws, seed=seed)
+        contacts, bests = dict(drawn.contacts), dict(drawn.best)
+        weights = {model.name: model.weight for model in drawn.comparison.models}
+        _print_contacts(contacts, bests, weights, measured.read, as_json=as_json, file=output)
+        if not as_json:
+            echo(drawn.summary())
+        warn((*implausible({"capture_velocity": drawn.comparison.v_c}), *drawn.warnings))
+    if output:
+        write_contacts(output, contacts, bests)
+        if not as_json:
+            echo(f"Written: {output}")
+
+
+def _bodies(pair: Pair) -> Contact:
+    """Contact without the numbers that data decide; raises ValueError if options have them."""
+    excess = [name for name in (*BY_DATA, "ring_force") if name in pair.numbers]
+    excess += ["law"] if pair.law else []
+    if excess and pair.file is None:
+        raise ValueError(f"DATA find adhesion, damping and law; leave out {flags(excess)}")
+    return pair.contact(BY_DATA).best
 
 
 def _print_contacts(
     contacts: Mapping[str, Contact],
     bests: Mapping[str, Contact],
     weights: Mapping[str, float],
-    words: str,
-    output: str | None,
+    read: str,
     *,
     as_json: bool,
+    file: str | None,
 ) -> None:
     """Print parameters by law, and the capture velocity of all draws."""
     from microimpact.model.dynamics.capture import capture_velocity
@@ -234,8 +257,11 @@ def _print_contacts(
             for law, ranges in by_law.items()
         }
         draws = sum(each.size for each in limits.values())
-        print_json({"v_c (m/s)": v_c, "laws": laws, "draws": draws, "file": output})
+        numbers = {"v_c (m/s)": v_c, "laws": laws, "draws": draws, "file": file}
+        print_json({"read": read, **numbers} if read else numbers)
         return
+    if read:
+        echo(read)
     title = (
         f"{best.particle.name} on {best.surface.name}, {best.diameter * 1e6:g} um, "
         f"friction {best.friction:g} (not from these data)"
@@ -247,73 +273,15 @@ def _print_contacts(
             for symbol, numbers in ranges.items()
         ]
     print_table(title, ("", "best", "median", "95 % from", "to"), rows)
-    click.echo(words, nl=False)
-    if output:
-        click.echo(f"Written: {output}")
 
 
-def _targets(
-    data: str | None,
-    restitution: float | None,
-    at_speed: float | None,
-    capture_velocity: float | None,
-) -> tuple[float, float, float] | None:
-    """Speed, e at it and v_c, or None where data take their place."""
-    numbers = {"--at-speed": at_speed, "--restitution": restitution}
-    numbers["--capture-velocity"] = capture_velocity
-    values = [value for value in numbers.values() if value is not None]
-    if (data is None) == (not values):
-        raise ValueError(f"give either DATA, or {', '.join(numbers)}")
-    missing = [name for name, value in numbers.items() if value is None]
-    if values and missing:
-        raise ValueError(f"without DATA give {', '.join(missing)}, too")
-    return (values[0], values[1], values[2]) if values else None
-
-
-def _start(pair: dict[str, Any], free_fields: Sequence[str], missing: Sequence[str]) -> Contact:
-    """Contact from which a search starts; numbers that it is to find need not be given."""
-    if pair["file"] is None:
-        for name in free_fields:
-            ring_force = name == "work_of_adhesion" and pair["ring_force"] is not None
-            if pair[name] is None and not ring_force:
-                pair[name] = 0.1
-    return contact_of(**pair, missing=missing).best
-
-
-def _measured(data: str, columns: str | None, **options: Any) -> Rebounds:
-    """Read measurements; options give the spreads that the file has not."""
+def _measured(data: str, reading: Mapping[str, Any]) -> Rebounds:
+    """Read measurements, and warn of doubtful ones."""
     from microimpact.measured.rebounds import read_rebounds
 
-    headers: dict[str, str] = {}
-    for part in re.split(r",(?=\s*\w+\s*=)", columns or ""):
-        name, _, header = part.partition("=")
-        if columns and not (name.strip() and header.strip()):
-            raise ValueError(f"--columns must be 'v=HEADER,e=HEADER', got {columns!r}")
-        headers[name.strip()] = header.strip()
-    stated = {name: value for name in _SPREADS if (value := options.pop(name)) is not None}
-    measured = read_rebounds(data, columns=headers if columns else None, **options)
+    measured = read_rebounds(data, **reading)
     warn(measured.notes)
-    for name, text in stated.items():
-        if getattr(measured, name) is not None:
-            column = name.replace("size_scatter", "sigma_d")
-            raise ValueError(f"{column} stands in the file; leave out {_SPREADS[name]}")
-        measured = replace(measured, **{name: _spread(name, text, measured)})
     return measured
-
-
-def _spread(name: str, text: str | float, measured: Rebounds) -> Any:
-    """Spread (n,) by an option: a number, a share of the speeds, or of the diameters "free"."""
-    if name == "size_scatter" and text == "free":
-        return text
-    number, percent, rest = str(text).partition("%")
-    try:
-        value = float(number + rest) * (0.01 if percent else 1.0)
-    except ValueError:
-        value = np.nan
-    if not np.isfinite(value) or (name == "size_scatter" and not percent):
-        allowed = "'7%' or 'free'" if name == "size_scatter" else "'1.5%' or a number in m/s"
-        raise ValueError(f"{_SPREADS[name]} must be as {allowed}, got {text!r}")
-    return value * (measured.v if name == "sigma_v" and percent else np.ones(measured.v.shape))
 
 
 def _range(values: Any, best: Any) -> dict[str, float]:

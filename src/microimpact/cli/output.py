@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from threading import Timer
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 import numpy as np
@@ -15,13 +15,48 @@ import numpy as np
 from microimpact.core.readable import table
 
 PATIENCE = 2.0  # s
+Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
+
+
+def echo(text: object, *, nl: bool = True, err: bool = False) -> None:
+    """Print text; control characters, which a file may bring, as their escape sequences."""
+    plain = (c if c.isprintable() or c in "\n\t" else repr(c)[1:-1] for c in str(text))
+    click.echo("".join(plain), nl=nl, err=err)
 
 
 def number(value: Any, factor: float = 1.0) -> str:
-    """Format a number in six digits, or as yes or no."""
+    """Format a number in four digits, or as yes or no."""
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
-    return f"{value * factor:.6g}"
+    return f"{float(f'{value * factor:.4g}'):g}"
+
+
+class Option(click.Option):
+    """An option that the help lists below the name of its group."""
+
+    def __init__(self, *names: Any, group: str, **settings: Any) -> None:
+        super().__init__(*names, **settings)
+        self.group = group
+
+
+def option(group: str, *names: str, **settings: Any) -> Callable[[Wrapped], Wrapped]:
+    """Return a decorator that gives a command an option of a group."""
+    return click.option(*names, cls=Option, group=group, **settings)
+
+
+class Command(click.Command):
+    """A command whose help has the options in groups."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options, the groups in the order of their first ones, the others last."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        params = [param for param in self.get_params(ctx) if isinstance(param, click.Option)]
+        for param in sorted(params, key=lambda param: not isinstance(param, Option)):
+            if (record := param.get_help_record(ctx)) is not None:
+                groups.setdefault(getattr(param, "group", "Options"), []).append(record)
+        for name, records in groups.items():
+            with formatter.section(name):
+                formatter.write_dl(records)
 
 
 def print_json(values: Mapping[str, Any]) -> None:
@@ -41,12 +76,12 @@ def print_json(values: Mapping[str, Any]) -> None:
     record = plain(values)
     if infinite:
         record["infinite"] = sorted(set(infinite))
-    click.echo(json.dumps(record, indent=2, allow_nan=False))
+    echo(json.dumps(record, indent=2, allow_nan=False))
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Print a table below its title."""
-    click.echo(f"{title}\n{table(rows, columns)}")
+    echo(f"{title}\n{table(rows, columns)}")
 
 
 @contextmanager
@@ -65,7 +100,7 @@ def patience(work: str) -> Iterator[None]:
 def warn(sentences: Iterable[str]) -> None:
     """Print warnings to standard error."""
     for sentence in sentences:
-        click.echo(f"Warning: {sentence}.", err=True)
+        echo(f"Warning: {sentence}.", err=True)
 
 
 # Numbers of a sweep.
@@ -82,15 +117,15 @@ class Sweep(click.ParamType):  # type: ignore[type-arg]
         if not isinstance(value, str):
             return np.atleast_1d(np.asarray(value, dtype=float))
         try:
-            if ":" in value:
-                first, last, count = value.split(":")
-                if 1 <= int(count) <= MOST:
-                    return np.linspace(float(first), float(last), int(count))
+            first, last, count = value.split(":") if ":" in value else (value, value, "1")
+            ends, steps = (float(first), float(last)), int(count)
+            if not 1 <= steps <= MOST or (":" in value and not np.all(np.isfinite(ends))):
                 raise ValueError(count)
-            return np.array([float(value)])
+            return np.linspace(*ends, steps) if steps > 1 else np.array(ends[:1])
         except ValueError:
             self.fail(
-                f"{value!r} is neither a number nor first:last:count, the count from 1 to {MOST}",
+                f"{value!r} is neither a number nor first:last:count of finite numbers, the count "
+                f"from 1 to {MOST}",
                 param,
                 ctx,
             )

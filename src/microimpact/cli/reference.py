@@ -5,17 +5,17 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from microimpact.cli.output import print_json, print_table
+from microimpact.cli.measured import TABLE, table_options
+from microimpact.cli.output import Command, echo, print_json, print_table, warn
 from microimpact.core.arrays import POSITIVE, checked
-from microimpact.core.files import write_file
-from microimpact.core.materials import read_rows
+from microimpact.core.files import require_writable, write_file
 
 if TYPE_CHECKING:
     from microimpact.model.reference import Row
@@ -24,7 +24,7 @@ IMPACTS, CONTACTS = "adhesive_impacts.csv", "adhesive_impacts_contacts.csv"
 LAMMPS = "dem01-jkr-twosphere-restitution-3d-si.yaml"
 
 
-@click.command("reference")
+@click.command("reference", short_help="Adhesive impacts to test other codes by.")
 @click.option("-o", "--output", default=".", show_default=True, help="Folder of the files.")
 def reference_command(output: str) -> None:
     """Write the reference of adhesive impacts, for tests of other codes.
@@ -34,11 +34,13 @@ def reference_command(output: str) -> None:
     """
     from microimpact.model.reference import contacts, impacts, lammps_test
 
+    for name in (IMPACTS, CONTACTS, LAMMPS):
+        require_writable(Path(output) / name)
     contents = {IMPACTS: _csv(impacts()), CONTACTS: _csv(contacts()), LAMMPS: lammps_test()}
     for name, content in contents.items():
         path = Path(output) / name
         write_file(path, content)
-        click.echo(path)
+        echo(path)
 
 
 def _csv(rows: Sequence[Row]) -> str:
@@ -50,22 +52,28 @@ def _csv(rows: Sequence[Row]) -> str:
     return target.getvalue()
 
 
-@click.command("verify")
+@click.command("verify", cls=Command, short_help="A code's restitutions against the reference.")
 @click.argument("results")
+@table_options({flag: words for flag, words in TABLE.items() if flag != "--size-unit"})
 @click.option("--tolerance", type=float, default=0.005, show_default=True, help="Of e.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def verify_command(results: str, tolerance: float, as_json: bool) -> None:
+def verify_command(
+    results: str, reading: Mapping[str, Any], tolerance: float, as_json: bool
+) -> None:
     """Compare a code's restitutions with the reference, and name known mistakes.
 
-    RESULTS is a CSV file with the columns case, normal_speed_m_per_s and restitution (0 where the
-    sphere stays), for cases of 'microimpact reference' at any speeds. Ends with 1 if one differs.
+    RESULTS is a text file, read as that of 'microimpact fit', with the columns case,
+    normal_speed_m_per_s (or v) and restitution (or e; 0 where the sphere stays), for cases of
+    'microimpact reference' at any speeds. Ends with 1 if one differs.
     """
-    from microimpact.model.verification import verify_table
+    from microimpact.measured.rebounds import read_cases
+    from microimpact.model.verification import verify
 
     limit = float(checked("tolerance", tolerance, POSITIVE))
-    rows = read_rows(results, ("case", "normal_speed_m_per_s", "restitution"))
+    cases, notes = read_cases(results, **reading)
+    warn(notes)
     try:
-        verdicts = verify_table(rows, limit)
+        verdicts = [verify(case, v, e, limit) for case, (v, e) in cases.items()]
     except ValueError as error:
         raise ValueError(f"{results}: {error}") from None
     if as_json:

@@ -8,5 +8,5 @@ from types import MappingProxyType
 from microimpact.core.materials import Declared, Material, declared_file, read_materials
 
 materials: Mapping[str, Material] = MappingProxyType(
-    Declared(read_materials(declared_file("materials.csv")))
+    Declared("material", read_materials(declared_file("materials.csv")))
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import tempfile
@@ -42,6 +43,31 @@ def write_file(path: Path | str, content: str | bytes) -> None:
     except OSError as error:
         # As raised it names the temporary file, or, where the disk is full, none at all.
         raise OSError(error.errno, f"cannot be written: {error.strerror}", str(target)) from error
+
+
+def require_writable(path: Path | str) -> None:
+    """Refuse a file that cannot be written, before its content is computed.
+
+    Parameters
+    ----------
+    path
+        The file; it may be there, and folders may be missing.
+
+    Raises
+    ------
+    OSError
+        Naming the file, if it is a folder, or no folder above it can be written.
+    """
+    target = Path(path).absolute()
+    above = next(folder for folder in target.parents if folder.exists())
+    if target.is_dir():
+        code = errno.EISDIR
+    elif not above.is_dir():
+        code = errno.ENOTDIR
+    else:
+        code = 0 if os.access(above, os.W_OK | os.X_OK) else errno.EACCES
+    if code:
+        raise OSError(code, f"cannot be written: {os.strerror(code)}", str(path))
 
 
 def _replace(target: Path, data: bytes) -> None:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from microimpact.core.arrays import POSITIVE, Range, Real, checked, common_shape
 from microimpact.core.nearest import nearest
@@ -31,6 +31,7 @@ POISSON_RANGE = Range(lower=-1.0, upper=0.5, upper_closed=True)
 _UNSAFE = re.compile(r"""\*/|/\*|\\|\?\?|(?:^|[,;])[\s"']*[=+@-]""")
 
 Row = Mapping[str, Any]
+Item = TypeVar("Item")
 
 _UNITS = {"youngs_modulus": PRESSURE, "poissons_ratio": NUMBER, "density": DENSITY}
 _RANGES = {"youngs_modulus": POSITIVE, "poissons_ratio": POISSON_RANGE, "density": POSITIVE}
@@ -113,13 +114,13 @@ def read_rows(path: Path | str, columns: Sequence[str]) -> list[dict[str, str]]:
                     count = len(reader.fieldnames or ())
                     raise ValueError(f"{path}, line {reader.line_num}: must have {count} fields")
                 rows.append(row)
+            header = reader.fieldnames or ()
         except csv.Error as error:
             raise ValueError(f"{path}, line {reader.line_num + 1}: {error}") from None
         except UnicodeDecodeError as error:
             raise ValueError(
                 f"{path}: must be a text in UTF-8, byte {error.start} is not"
             ) from None
-    header = reader.fieldnames or ()
     if missing := [column for column in columns if column not in header]:
         raise ValueError(
             f"{path}: the header must have {', '.join(missing)}, too; it is {', '.join(header)}"
@@ -191,11 +192,15 @@ def materials_from_rows(rows: Iterable[Row]) -> dict[str, Material]:
     return built
 
 
-class Declared(dict[str, Material]):
-    """Materials by name; a name that is not declared is an error with the nearest."""
+class Declared(dict[str, Item]):
+    """Materials or contacts by name; one that is not declared is an error with the nearest."""
 
-    def __missing__(self, name: str) -> Material:
-        raise KeyError(f"unknown material {name!r}{nearest(name, self)}")
+    def __init__(self, kind: str, items: Mapping[str, Item]) -> None:
+        super().__init__(items)
+        self.kind = kind
+
+    def __missing__(self, name: str) -> Item:
+        raise KeyError(f"unknown {self.kind} {name!r}{nearest(name, self)}")
 
 
 def find_material(name: str, materials: Mapping[str, Material]) -> Material:

@@ -17,6 +17,9 @@ PLAUSIBLE = {
     "diameter": (1e-9, 5e-3, "m", "um"),
     "work_of_adhesion": (0.0, 20.0, "J/m2", "mJ/m2"),
     "friction": (0.0, 3.0, "", "%"),
+    # Of measured impacts, and of what captures a small sphere.
+    "normal_speed": (1e-4, 150.0, "m/s", "mm/s"),
+    "capture_velocity": (0.0, 10.0, "m/s", "mm/s"),
     # Of incidence: less in radians.
     "angle": (math.pi / 2, 90.0, "degrees", "radians"),
 }

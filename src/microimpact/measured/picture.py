@@ -15,8 +15,16 @@ from microimpact.measured.rebounds import Rebounds
 from microimpact.model.empirical.comparison import LIGHT, Comparison
 
 FORMATS = (".png", ".svg", ".pdf")
+# Okabe and Ito, as in the figures of the study: colours that colour-blind readers tell apart.
+COLOURS = ("#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#0072B2")
 LINES = ("solid", "dashed", "dashdot", "dotted", (0, (1, 3)), (0, (8, 2)), (0, (5, 1, 1, 1, 1, 1)))
 WIDTH_INCH, HEIGHT_INCH, POINTS = 6.9, 4.1, 400
+
+
+def require_format(path: Path | str) -> None:
+    """Raise ValueError if a picture is to have another ending than one of `FORMATS`."""
+    if Path(path).suffix not in FORMATS:
+        raise ValueError(f"plot must end in {', '.join(FORMATS)}, got {str(path)!r}")
 
 
 @rc_context(
@@ -48,8 +56,7 @@ def draw(data: Rebounds, comparison: Comparison, path: Path | str) -> None:
     OSError
         If it cannot be written.
     """
-    if Path(path).suffix not in FORMATS:
-        raise ValueError(f"plot must end in {', '.join(FORMATS)}, got {str(path)!r}")
+    require_format(path)
     figure = Figure(figsize=(WIDTH_INCH, HEIGHT_INCH))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     low, high = comparison.v_c_interval
@@ -57,11 +64,11 @@ def draw(data: Rebounds, comparison: Comparison, path: Path | str) -> None:
     above.axvline(comparison.v_c, color="0.4", linewidth=0.8)
     v = np.geomspace(max(0.8 * min(data.v.min(), comparison.v_c), 1e-9), 1.1 * data.v.max(), POINTS)
     heavy = [model for model in comparison.models if model.weight >= LIGHT][: len(LINES)]
-    for model, line in zip(heavy, LINES[: len(heavy)], strict=True):
+    for model, line, colour in zip(heavy, LINES, COLOURS, strict=False):
         label = f"{model.name} (weight {model.weight:.2f})"
-        above.plot(v, model.law(v), linestyle=line, marker="none", color="black", label=label)
+        above.plot(v, model.law(v), linestyle=line, color=colour, label=label)
     captured = data.e == 0.0
-    points = {"linestyle": "none", "color": "tab:blue", "capsize": 2.0, "zorder": 3}
+    points = {"linestyle": "none", "color": "#0072B2", "capsize": 2.0, "zorder": 3}
     for chosen, marker, label in ((~captured, "o", "rebounds"), (captured, "v", "captured")):
         if np.any(chosen):
             error, across = (
@@ -72,7 +79,11 @@ def draw(data: Rebounds, comparison: Comparison, path: Path | str) -> None:
     missed = data.e - heavy[0].law(data.v)
     below.errorbar(data.v, missed, yerr=data.sigma, marker="o", **points)
     below.axhline(0.0, color="black", linewidth=0.8)
-    above.set(ylabel="coefficient of restitution e", ylim=(-0.03, 1.03), xscale="log")
+    above.set(
+        ylabel="coefficient of restitution e",
+        ylim=(-0.03, max(1.03, data.e.max() + 0.03)),
+        xscale="log",
+    )
     below.set(xlabel="normal speed before impact v (m/s)", ylabel="e less model")
     for write in (below.xaxis.set_major_formatter, below.xaxis.set_minor_formatter):
         write(FuncFormatter(lambda x, _: f"{x:g}"))

@@ -1,396 +1,417 @@
-"""Measured rebounds from text files as laboratories write them, and from tables in memory."""
+"""Measured rebounds from text files, data frames and mappings."""
 
 from __future__ import annotations
 
-import csv
-import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray
-from microimpact.core.materials import LENGTH, SPEED
-from microimpact.core.nearest import nearest
-
-SPEED_UNITS = {**SPEED, "cm/s": 1e-2, "um/s": 1e-6, "km/h": 1.0 / 3.6}
-SHARE_UNITS = {"": 1.0, "1": 1.0, "-": 1.0, "%": 1e-2}
-ANGLE_UNITS = dict.fromkeys(("", "deg", "degree", "degrees", "°"), 1.0) | {"rad": 180.0 / np.pi}
-COLUMNS = {
-    "v": "normal speed before impact",
-    "e": "coefficient of restitution",
-    "V": "normal speed after impact, in place of e",
-    "sigma": "standard deviation of e",
-    "sigma_v": "standard deviation of v, or in % of v",
-    "d": "diameter of the sphere",
-    "sigma_d": "standard deviation of d, or in %",
-    "captured": "yes or no",
-    "angle": "of incidence, degrees from the surface: v is then the total speed",
-}
-UNITS = {
-    **dict.fromkeys(("v", "V"), SPEED_UNITS),
-    **dict.fromkeys(("e", "sigma"), SHARE_UNITS),
-    "sigma_v": SPEED_UNITS,
-    **dict.fromkeys(("d", "sigma_d"), LENGTH),
-    **dict.fromkeys(("sigma_v in %", "sigma_d in %"), SHARE_UNITS),
-    "angle": ANGLE_UNITS,
-    "captured": {"": 1.0},
-}
-# Columns that may be in % of another; they are then called so: "sigma_v in %".
-OF = {"sigma_v": "v", "sigma_d": "d"}
-_YES, _NO = {"yes", "true", "1", "captured"}, {"no", "false", "0", "", "rebound"}
-# Cells without a number, as people and programs write them.
-MISSING = {"", "-", "--", "n.d.", "nd", "n/a", "na", "<na>", "nan", "nat", "none", "null"}
-MISSING |= {"#n/a", "#nv", "k.a."}
-SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "bar": "|", "space": " "}
-COMMENTS = ("#", "%")
-_OTHER = {".": ",", ",": "."}
-# "v", "v (cm/s)", "v [cm/s]", "v in cm/s", "v / cm/s" or "v_cm_per_s".
-_HEADER = re.compile(
-    r"(.+?)\s*(?:[(\[]\s*([^()\[\]]*?)\s*[)\]]|\s(?:in|/)\s+(\S.*)|_([a-z]+)_per_([a-z]+))?"
+from microimpact.core.arrays import BoolArray, FloatArray, Range, checked
+from microimpact.core.plausible import PLAUSIBLE, implausible
+from microimpact.core.readable import Readable
+from microimpact.measured.table import (
+    ANGLE_UNITS,
+    MISSING,
+    SHARE_UNITS,
+    SIZE_UNITS,
+    SIZES,
+    SPEED_UNITS,
+    SPEEDS,
+    Column,
+    Table,
+    read_table,
 )
+from microimpact.model.choices import NOISE
+
+BEFORE = Column(
+    units=SPEED_UNITS,
+    kind=SPEEDS,
+    names=(
+        *(
+            "velocity",
+            "speed",
+            "U",
+            "u",
+            "v_in",
+            "vin",
+            "v_i",
+            "vi",
+            "v_n",
+            "vn",
+            "v_0",
+            "v0",
+            "u_in",
+        ),
+        *("v_impact", "u_impact", "impact_velocity", "impact_speed", "incident_velocity"),
+        *("normal_speed", "normal_velocity", "v_incident", "incoming_velocity"),
+    ),
+)
+RESTITUTION = Column(
+    units=SHARE_UNITS,
+    names=("cor", "restitution", "coefficient_of_restitution", "e_n", "en"),
+)
+# Normal speeds before and after impact; coefficient of restitution; standard deviations of e, of v
+# and of the diameter d; angle of incidence from the surface, with which v is the total speed.
+COLUMNS = {
+    "v": BEFORE,
+    "e": RESTITUTION,
+    "V": Column(
+        units=SPEED_UNITS,
+        kind=SPEEDS,
+        names=(
+            *("v_out", "vout", "v_r", "v_rebound", "u_out", "u_rebound", "rebound_velocity"),
+            *("rebound_speed", "outgoing_velocity", "v_reb"),
+        ),
+    ),
+    "sigma": Column(units=SHARE_UNITS, names=("sigma_e", "e_sd", "sd_e", "e_std", "std_e")),
+    "sigma_v": Column(units=SPEED_UNITS | {"%": 1e-2}, kind=SPEEDS, names=("sd_v", "std_v")),
+    "d": Column(units=SIZE_UNITS, kind=SIZES, names=("D", "diameter", "d_p", "dp")),
+    "radius": Column(units=SIZE_UNITS, kind=SIZES, names=("R", "r", "r_p", "rp")),
+    "sigma_d": Column(units=SIZE_UNITS | {"%": 1e-2}, kind=SIZES, names=("sd_d", "std_d")),
+    "captured": Column(),
+    "angle": Column(units=ANGLE_UNITS),
+}
+# Restitutions of a code, by the cases of `microimpact.model.reference`; above `MOST` none is e.
+CASES = {"case": Column(), "v": BEFORE, "e": RESTITUTION}
+MOST = 2.0
+# A standard deviation is below this share of the whole.
+HALF = 0.5
+_YES, _NO = {"yes", "true", "1", "captured"}, {"no", "false", "0", "rebound"}
+# What the functions of fits take.
+_ARGUMENTS = ("v", "e", "sigma", "sigma_v", "d", "size_scatter")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Rebounds:
-    """Measured normal impacts."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Rebounds(Readable):
+    """Measured normal impacts; a mapping of the arguments of fits.
 
-    v: FloatArray  # Normal speeds before impact (n,), m/s
-    e: FloatArray  # Coefficients of restitution (n,); 0 where captured
-    sigma: FloatArray | None  # Standard deviations of e (n,), or None
-    sigma_v: FloatArray | None = None  # Those of v (n,), m/s
-    d: FloatArray | None = None  # Diameters (n,), m
-    # Relative standard deviations of the diameters (n,); "free": one for all, to be found.
+    Attributes
+    ----------
+    v, e
+        Normal speeds before impact, m/s, and coefficients of restitution, 0 where captured, (n,).
+    sigma, sigma_v
+        Standard deviations of e, and of v in m/s, (n,); None: not known.
+    d
+        Diameters, m, (n,); None: not known.
+    size_scatter
+        Relative standard deviations of the diameters (n,); ``"free"``: one for all, to be found.
+    read
+        What was read, in a line.
+    notes
+        What was left out of the file or is doubtful, a sentence each.
+
+    Examples
+    --------
+    >>> data = read_rebounds("mine.csv")
+    >>> compare_models(**data)
+    """
+
+    v: FloatArray
+    e: FloatArray
+    sigma: FloatArray | None = None
+    sigma_v: FloatArray | None = None
+    d: FloatArray | None = None
     size_scatter: FloatArray | Literal["free"] | None = None
-    notes: tuple[str, ...] = ()  # What was left out of the file, a sentence each
+    read: str = ""
+    notes: tuple[str, ...] = ()
+
+    def keys(self) -> tuple[str, ...]:
+        """Return the names of known arguments, for ``compare_models(**rebounds)``."""
+        return tuple(name for name in _ARGUMENTS if getattr(self, name) is not None)
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in _ARGUMENTS:
+            raise KeyError(name)
+        return getattr(self, name)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The notes, which are printed as warnings."""
+        return self.notes
+
+    def summary(self) -> str:
+        """Rows, units and ranges of the table, in a line."""
+        return self.read
 
 
-@dataclass(frozen=True, slots=True)
-class _Table:
-    """Cells as text, and names of the table and its rows for messages."""
-
-    name: str
-    header: Sequence[str]
-    rows: Sequence[tuple[str, Sequence[str]]]  # where, cells
-
-
+# Numbers of rows that are left out may be any.
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def read_rebounds(
     source: Path | str | Mapping[str, Any],
     unit: str | None = None,
     *,
+    size_unit: str | None = None,
     columns: Mapping[str, str] | None = None,
     delimiter: str | None = None,
     decimal: str | None = None,
-    encoding: str | None = None,
+    sigma: float | None = None,
+    sigma_v: float | str | None = None,
+    size_scatter: float | str | None = None,
+    skip_bad_rows: bool = False,
 ) -> Rebounds:
     """Read measured rebounds: a text file, a data frame, or a mapping of arrays.
 
     Parameters
     ----------
     source
-        The file, or the table, with the columns `COLUMNS`, of which v and e or V are needed; others
-        are left out. Lines that begin with ``#`` or ``%`` are comments, rows without their numbers
-        are skipped; ``notes`` says so. A captured sphere has ``captured`` yes, or e (or V) 0.
-    unit
-        Unit of the speeds, one of `SPEED_UNITS`, where the header has none; None: m/s.
+        The file (UTF-8, UTF-16 or Latin-1), or the table, with the columns `COLUMNS`, of which v
+        and e or V are needed; others are left out. Lines that begin with ``#`` or ``%`` are
+        comments, rows without their numbers are skipped; ``notes`` says so. A captured sphere has
+        ``captured`` yes, or e (or V) 0, and needs no ``sigma``: it takes the median one of the
+        others.
+    unit, size_unit
+        Units of speeds and of sizes, where the table states none; None: SI units.
     columns
         Headers in the file by the names of `COLUMNS`: ``{"v": "Impact speed [cm/s]"}``.
     delimiter
-        Between cells, a character or a name of `SEPARATORS`; None: the one that parts the header
-        into most cells.
+        Between cells, a character or a name of `microimpact.measured.table.SEPARATORS`; None: the
+        one that parts the header into most cells.
     decimal
         ``"."`` or ``","``; None: as the numbers are written.
-    encoding
-        Of the file; None: UTF-8, and Latin-1 where it is not.
+    sigma, sigma_v, size_scatter
+        Standard deviation of e, of v (m/s, or ``"1.5%"``) and of d (``0.07``, ``"7%"`` or
+        ``"free"``) where no column has them. Where e is V/v, sigma is that at an exact v, and the
+        error of v is added to it.
+    skip_bad_rows
+        Whether rows with a wrong number are left out, and named in ``notes``.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     ValueError
-        With file, line, column, value and the allowed values.
+        With file, line, column, value and the allowed values; all bad rows are named.
     """
-    if isinstance(source, str | Path):
-        table = _file(Path(source), delimiter, encoding)
-    else:
-        table = _in_memory(source)
-        decimal = "."
-    places, factors = _columns(table, unit, columns or {})
-    if "sigma_d" in places and "d" not in places:
-        raise ValueError(f"{table.name}: sigma_d needs the column d, or is in %: 'sigma_d (%)'")
-    used = set(places.values())
-    ignored = [cell for at, cell in enumerate(table.header) if at not in used and cell]
-    named = [
-        (where, {column: cells[at] for column, at in places.items()}) for where, cells in table.rows
-    ]
-    mark = _decimal(table.name, named, decimal)
-    rows, skipped = [], []
-    for where, cells in named:
-        if _lacks_numbers(cells):
-            skipped.append(where.rpartition(", ")[2])
-        else:
-            rows.append(_row(where, cells, factors, mark))
-    if not rows:
-        raise ValueError(f"{table.name}: no data below the header")
-    notes = []
-    if ignored:
-        notes.append(f"{table.name}: columns not used: {', '.join(map(repr, ignored))}")
-    if skipped:
-        notes.append(
-            f"{table.name}: {len(skipped)} of {len(named)} rows lack a number and are skipped: "
-            f"{', '.join(skipped[:10])}{' ...' if len(skipped) > 10 else ''}; a captured sphere "
-            "is e = 0 or captured = yes"
-        )
-    arrays = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    sigma = arrays.pop("sigma", None)
-    return Rebounds(**arrays, sigma=sigma, notes=tuple(notes))
-
-
-def _file(path: Path, delimiter: str | None, encoding: str | None) -> _Table:
-    """Cells of a text file."""
-    name = path.name
-    lines = [
-        (f"{name}, line {at}", line)
-        for at, line in enumerate(_text(path, encoding).splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith(COMMENTS)
-    ]
-    if not lines:
-        raise ValueError(f"{name}: no header; columns are {', '.join(COLUMNS)}")
-    separator = _separator(*lines[0], delimiter)
-    header, *rows = [(where, _cells(where, line, separator)) for where, line in lines]
-    # Spreadsheets end lines with separators of empty columns.
-    width = max((at for at, cell in enumerate(header[1], 1) if cell), default=0)
-    for where, cells in rows:
-        if len(cells) < width or any(cells[len(header[1]) :]):
-            raise ValueError(
-                f"{where}: {len(cells)} cells, but {len(header[1])} columns in the header"
-            )
-    return _Table(name, header[1], rows)
-
-
-def _text(path: Path, encoding: str | None) -> str:
-    data = path.read_bytes()
-    if data.startswith(b"PK\x03\x04"):
-        raise ValueError(f"{path.name}: must be a text, got a workbook or archive; save it as CSV")
-    try:
-        if encoding:
-            return data.decode(encoding)
-        if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-            return data.decode("utf-16")
-        try:
-            return data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            return data.decode("latin-1")
-    except LookupError:
-        raise ValueError(f"encoding must be one that Python knows, got {encoding!r}") from None
-    except UnicodeDecodeError as error:
-        raise ValueError(
-            f"{path.name}: must be a text in {encoding or 'UTF-16'}, byte {error.start} is not"
-        ) from None
-
-
-def _separator(where: str, header: str, delimiter: str | None) -> str:
-    if delimiter is not None:
-        separator = SEPARATORS.get(delimiter, delimiter)
-        if separator not in SEPARATORS.values():
-            allowed = ", ".join(SEPARATORS)
-            raise ValueError(f"delimiter must be one of {allowed}, got {delimiter!r}")
-        return separator
-    # Of two that part it alike the first: commas also stand in numbers and names.
-    best = max((";", "\t", "|", ","), key=lambda mark: len(_cells(where, header, mark)))
-    return best if len(_cells(where, header, best)) > 1 else " "
-
-
-def _cells(where: str, line: str, separator: str) -> list[str]:
-    if separator == " ":  # any white space, but none before a unit in brackets
-        return re.sub(r"\s+(?=[(\[])", "", line).split()
-    try:
-        row = next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True))
-    except csv.Error as error:
-        raise ValueError(f"{where}: {error}") from None
-    return [cell.strip() for cell in row]
-
-
-def _in_memory(source: Any) -> _Table:
-    """Cells of a data frame or a mapping of arrays."""
-    try:
-        arrays = {str(key): np.ravel(source[key]).tolist() for key in source}
-    except (TypeError, KeyError, IndexError):
-        raise TypeError(
-            f"source must be a file, a data frame or a mapping of arrays, got {source!r}"
-        ) from None
-    lengths = {name: len(values) for name, values in arrays.items()}
-    if len(set(lengths.values())) > 1:
-        listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        raise ValueError(f"data: columns must be of one length, got {listed}")
-    rows = zip(*arrays.values(), strict=True)
-    return _Table(
-        "data", list(arrays), [(f"data, row {at}", [*map(str, row)]) for at, row in enumerate(rows)]
+    table = read_table(
+        source,
+        COLUMNS,
+        units={SPEEDS: unit, SIZES: size_unit},
+        columns=columns,
+        delimiter=delimiter,
+        decimal=decimal,
     )
+    _require_columns(table)
+    options = {"sigma": sigma, "sigma_v": sigma_v, "sigma_d": size_scatter}
+    for column, option in options.items():
+        if option is not None and column in table.cells:
+            name = column.replace("sigma_d", "size_scatter")
+            raise ValueError(f"{column} stands in the file; leave out {_flag(name)}")
+    notes = []
+    if table.ignored:
+        notes.append(f"{table.name}: columns not used: {', '.join(map(repr, table.ignored))}")
+    total, v = _speeds(table, notes)
+    after = "e" if "e" in table.cells else "V"
+    captured = _captured(table, after)
+    arrays = {"v": v, "total": total, **_restitutions(table, v, after, captured, sigma)}
+    if (relative := _relative(table, "v", total, "sigma_v", sigma_v)) is not None:
+        arrays["sigma_v"] = v * relative
+    size = _sizes(table)
+    scatter = _relative(table, "d", size, "sigma_d", size_scatter)
+    arrays |= {k: x for k, x in {"d": size, "size_scatter": scatter}.items() if x is not None}
+    lacking = np.any([np.isnan(x) & ~captured for x in table.numbers.values()], axis=0)
+    needed = [x for k, x in table.numbers.items() if k not in {after, "sigma"}]
+    lacking |= np.any([np.isnan(x) for x in needed], axis=0)
+    rows, others = table.kept(lacking, skip_bad_rows=skip_bad_rows)
+    kept: dict[str, Any] = {name: np.array(x[rows]) for name, x in arrays.items()}
+    if "sigma" in kept:
+        known = kept["sigma"][np.isfinite(kept["sigma"])]
+        median = np.median(known) if known.size else 1.0  # no sphere rebounds
+        kept["sigma"] = np.where(np.isfinite(kept["sigma"]), kept["sigma"], median)
+        if after == "V" and "sigma_v" in kept:
+            kept["sigma"] = _of_ratio(**kept)
+    total = kept.pop("total")
+    notes += [*others, *implausible({"normal_speed": kept["v"], "diameter": kept.get("d")})]
+    if "angle" in table.numbers:
+        notes += implausible({"angle": table.numbers["angle"][rows].max()})
+    if size_scatter == "free":
+        kept["size_scatter"] = size_scatter
+    return Rebounds(**kept, read=_words(table, kept, total), notes=tuple(notes))
 
 
-def _columns(
-    table: _Table, unit: str | None, renamed: Mapping[str, str]
-) -> tuple[dict[str, int], dict[str, float]]:
-    """Place of each column in the table, and its factor to SI."""
-    if unit is not None and unit not in SPEED_UNITS:
-        raise ValueError(f"unit must be one of {', '.join(SPEED_UNITS)}, got {unit!r}")
-    for column, header in renamed.items():
-        if column not in COLUMNS:
-            allowed = ", ".join(COLUMNS)
-            raise ValueError(f"columns: {column!r} is none of {allowed}{nearest(column, COLUMNS)}")
-        if not any(header in {cell, _split(cell)[0]} for cell in table.header):
-            raise ValueError(
-                f"{table.name}: no column {header!r}{nearest(header, filter(None, table.header))}"
-            )
-    places: dict[str, int] = {}
-    factors: dict[str, float] = {}
-    for at, cell in enumerate(table.header):
-        name, written = _split(cell)
-        chosen = [column for column, header in renamed.items() if header in {cell, name}]
-        # "Sigma" is sigma, but "V" is not "v", and "E" may be a modulus.
-        plain = name if name in COLUMNS or len(name) == 1 else name.lower()
-        if not chosen and (plain not in COLUMNS or plain in renamed):
-            continue
-        for column in chosen or [plain]:
-            if column in places:
-                raise ValueError(f"{table.name}: the column {column} stands there twice")
-            key = f"{column} in %" if column in OF and written == "%" else column
-            places[key], factors[key] = at, _factor(table.name, key, written, unit)
-    if "v" not in factors or ("e" in factors) == ("V" in factors):
+def _require_columns(table: Table) -> None:
+    """Raise ValueError if a column is missing, or two have the same thing."""
+    has = table.cells
+    if "v" not in has or ("e" in has) == ("V" in has):
         raise ValueError(
             f"{table.name}: the columns v and either e or V are needed, got "
-            f"{', '.join(map(repr, table.header))}; other names go by "
+            f"{', '.join(map(repr, [*has, *table.ignored]))}; other names go by "
             "--columns v=NAME,e=NAME"
         )
-    return places, factors
+    if "d" in has and "radius" in has:
+        raise ValueError(f"{table.name}: either d or radius must be given, got both")
+    if table.units.get("sigma_d", "%") != "%" and not {"d", "radius"} & {*has}:
+        raise ValueError(f"{table.name}: sigma_d needs the column d, or is in %: 'sigma_d (%)'")
 
 
-def _split(header: str) -> tuple[str, str]:
-    """Name and unit of a header; the unit is empty where it has none."""
-    match = _HEADER.fullmatch(header.strip())
-    if match is None:
-        return header, ""
-    name, bracketed, written, above, below = match.groups()
-    unit = f"{above}/{below}" if above else (bracketed or written or "")
-    unit = unit.strip("()[] ").replace("µ", "u").replace("μ", "u")
-    return name, re.sub(r"(\w+)[ ·*]?s(?:\^?-1|⁻¹)", r"\1/s", unit)
+def _speeds(table: Table, notes: list[str]) -> tuple[FloatArray, FloatArray]:
+    """Speeds before impact, and their normal parts, m/s, (n,)."""
+    total, normal = table.numbers["v"], np.ones(len(table.where))
+    if np.all(total[np.isfinite(total)] < 0.0):  # as trackers write them
+        total = -total
+        notes.append(f"{table.name}: all speeds v are negative; their amounts are taken")
+    table.require("v", total > 0.0, "positive")
+    if "angle" in table.numbers:
+        angle = table.numbers["angle"]
+        table.require("angle", (angle > 0.0) & (angle <= 90.0), "above 0 and at most 90 degrees")
+        normal = np.sin(np.radians(angle))
+    return total, total * normal
 
 
-def _factor(name: str, column: str, written: str, unit: str | None) -> float:
-    allowed = UNITS[column]
-    if allowed is SPEED_UNITS:
-        written = written or unit or "m/s"
-    if written not in allowed:
-        units = ", ".join(filter(None, allowed)) or "none"
-        raise ValueError(f"{name}: the unit of {column} must be one of {units}, got {written!r}")
-    return allowed[written]
+def _captured(table: Table, after: str) -> BoolArray:
+    """Captured spheres (n,): said to be, or with e or V of 0."""
+    captured: BoolArray = np.equal(table.numbers[after], 0.0)
+    for i, cell in enumerate(table.cells.get("captured", ())):
+        if cell.lower() in _YES:
+            captured[i] = True
+        elif cell.lower() not in _NO | MISSING:
+            table.bad.setdefault(i, f"captured must be yes or no, got {cell!r}")
+    table.require(
+        after, ~captured | (table.numbers[after] == 0.0), "0 or empty for a captured sphere"
+    )
+    return captured
 
 
-def _decimal(name: str, rows: Iterable[tuple[str, Mapping[str, str]]], decimal: str | None) -> str:
-    """Decimal mark of the numbers."""
-    if decimal is not None:
-        if decimal not in {".", ","}:
-            raise ValueError(f"decimal must be '.' or ',', got {decimal!r}")
-        return decimal
-    numbers = [
-        cell
-        for _, cells in rows
-        for column, cell in cells.items()
-        if column != "captured" and cell.lower() not in MISSING
-    ]
-    commas = [cell for cell in numbers if "," in cell]
-    points = [cell for cell in numbers if "." in cell]
-    if commas and points:
-        raise ValueError(
-            f"{name}: numbers have commas ({commas[0]!r}) and points ({points[0]!r}); give "
-            "--decimal"
-        )
-    return "," if commas else "."
+def _restitutions(
+    table: Table, v: FloatArray, after: str, captured: BoolArray, option: float | None
+) -> dict[str, FloatArray]:
+    """Restitutions and their sigma (n,), nan where a captured sphere has none."""
+    measured = table.numbers[after]
+    e = np.where(captured, 0.0, measured if after == "e" else np.abs(measured) / v)
+    sigma = table.numbers.get("sigma")
+    if sigma is not None:
+        sigma = np.where(captured & (sigma == 0.0), np.nan, sigma)
+        good = np.isnan(sigma) | ((sigma > 0.0) & (sigma < 1.0))
+        table.require("sigma", good, "above 0 and below 1")
+    elif option is not None:
+        number = float(checked("sigma", option, Range(lower=0.0, upper=1.0)))
+        sigma = np.full(v.size, number)
+    noise = np.zeros(v.size) if sigma is None else NOISE * np.nan_to_num(sigma)
+    noisy = "" if sigma is None else f", or above by at most {NOISE:g} sigma"
+    allowed, words = f"at most v{noisy}", [f"V/v = {x:.3g}" for x in e]
+    if after == "e":
+        allowed = f"from 0 to 1{noisy}"
+        words = [cell + _percent(x) for cell, x in zip(table.cells["e"], e, strict=True)]
+    good = np.isnan(e) | ((e >= 0.0) & (e <= 1.0 + noise))
+    table.require(after, good, allowed, words)
+    return {"e": e} if sigma is None else {"e": e, "sigma": sigma}
 
 
-def _lacks_numbers(cells: Mapping[str, str]) -> bool:
-    """Whether a number is missing, other than e of a captured sphere."""
-    captured = cells.get("captured", "").lower() in _YES
-    return any(
-        cell.lower() in MISSING
-        for column, cell in cells.items()
-        if column != "captured" and not (captured and column in {"e", "V"})
+def _sizes(table: Table) -> FloatArray | None:
+    """Diameters (n,), m; those that can hardly be meant are bad."""
+    name = next((name for name in ("d", "radius") if name in table.numbers), None)
+    if name is None:
+        return None
+    table.require(name, table.numbers[name] > 0.0, "positive")
+    size = table.numbers[name] * (2.0 if name == "radius" else 1.0)
+    if name not in table.stated:
+        low, high, *_ = PLAUSIBLE["diameter"]
+        allowed = f"from {low:g} to {high:g} m where no unit is stated"
+        words = [f"{cell}; give --size-unit" for cell in table.cells[name]]
+        table.require(name, (size >= low) & (size <= high), allowed, words)
+    return size
+
+
+def _relative(
+    table: Table, whole: str, values: FloatArray | None, name: str, option: float | str | None
+) -> FloatArray | None:
+    """Standard deviations over the whole (n,), by their column or by an option."""
+    allowed = f"from 0 to half of {whole}"
+    if name in table.numbers:
+        spread = table.numbers[name]
+        relative = spread if table.units[name] == "%" or values is None else spread / values
+        table.require(name, (relative >= 0.0) & (relative < HALF), allowed)
+        return relative
+    if option is None or (option == "free" and name == "sigma_d"):
+        return None
+    digits, percent, rest = str(option).partition("%")
+    try:
+        amount = float(digits + rest) * (0.01 if percent else 1.0)
+    except ValueError:
+        amount = np.nan
+    share = bool(percent) or name == "sigma_d"
+    if not 0.0 <= amount < (HALF if share else np.inf):
+        flag = _flag(name.replace("sigma_d", "size_scatter"))
+        form = "'1.5%' or a number in m/s" if name == "sigma_v" else "'7%' or 'free'"
+        raise ValueError(f"{flag} must be as {form}, below 50 %, got {option!r}")
+    if share or values is None:
+        return np.full(len(table.where), amount)
+    table.require(whole, amount / values < HALF, f"above twice {name}")
+    return amount / values
+
+
+def _flag(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+def _percent(e: float) -> str:
+    return "; are these percent? Then the header is 'e (%)'" if 2.0 < e <= 100.0 else ""
+
+
+def _of_ratio(
+    v: FloatArray, e: FloatArray, sigma: FloatArray, sigma_v: FloatArray, **_: Any
+) -> FloatArray:
+    """Standard deviation of e = V/v with the error of v in it, for a fit that knows sigma_v.
+
+    An error of v moves V/v off the curve at v by (e + v de/dv)/v of it, of which the fit has the
+    second part alone. With the covariance e^2 + v d(e^2)/dv is left, here for a loss of energy that
+    does not depend on the speed: the latter is then 2 (e_max^2 - e^2).
+    """
+    missing = np.where(e > 0.0, 2.0 * np.max(e) ** 2 - e**2, 0.0)
+    return np.asarray(np.sqrt(sigma**2 + (sigma_v / v) ** 2 * missing))
+
+
+def _words(table: Table, arrays: Mapping[str, Any], total: FloatArray) -> str:
+    """Rows, units and ranges of the table, in a line."""
+    v, e, d = arrays["v"], arrays["e"], arrays.get("d")
+    unit = table.units["v"] + ("" if "v" in table.stated else ", which is not stated")
+    angles = "v times the sine of the angle" if np.any(v != total) else "no angles"
+    sizes = "no sizes" if d is None else f"diameters {1e6 * d.min():.4g} to {1e6 * d.max():.4g} um"
+    return (
+        f"{table.name}: {v.size} rows, {np.count_nonzero(e == 0.0)} captured; v in {unit}; "
+        f"normal speeds {v.min():.4g} to {v.max():.4g} m/s ({angles}); {sizes}"
     )
 
 
-def _row(
-    where: str, cells: Mapping[str, str], factors: Mapping[str, float], mark: str
-) -> dict[str, float]:
-    """Parse the numbers of a row that `Rebounds` has, in SI units."""
+def read_cases(
+    source: Path | str | Mapping[str, Any],
+    unit: str | None = None,
+    *,
+    skip_bad_rows: bool = False,
+    **reading: Any,
+) -> tuple[dict[str, tuple[FloatArray, FloatArray]], list[str]]:
+    """Read restitutions that a code computed: a table with the columns `CASES`.
 
-    def value(column: str) -> float:
-        return factors[column] * _number(where, column, cells[column], mark)
+    Parameters
+    ----------
+    source, unit, skip_bad_rows, **reading
+        As of `read_rebounds`.
 
-    said = cells.get("captured", "").lower()
-    if said not in _YES | _NO | MISSING:
-        raise ValueError(f"{where}: captured must be yes or no, got {cells['captured']!r}")
-    v = total = value("v")
-    if v <= 0.0:
-        raise ValueError(f"{where}: v must be positive, got {cells['v']}")
-    if "angle" in cells:
-        angle = value("angle")
-        if not 0.0 < angle <= 90.0:
-            raise ValueError(
-                f"{where}: angle must be above 0 and at most 90 degrees, got {cells['angle']}"
-            )
-        v *= np.sin(np.radians(angle))
-    captured = said in _YES
-    after = "e" if "e" in cells else "V"
-    e = 0.0 if captured and cells[after].lower() in MISSING else value(after)
-    if after == "V":
-        e = abs(e) / v
-    if captured and e > 0.0:
-        raise ValueError(f"{where}: captured, but {after} is {cells[after]}; it must be 0 or empty")
-    if not 0.0 <= e <= 1.0:
-        percent = "; are these percent? Then the header is 'e (%)'" if 2.0 < e <= 100.0 else ""
-        got = cells[after] + percent if after == "e" else f"V/v = {e:.3g}"
-        raise ValueError(f"{where}: e must be from 0 to 1, got {got}")
-    return {"v": v, "e": e} | _spreads(where, cells, value, v, v / total)
+    Returns
+    -------
+    cases
+        Normal speeds in m/s and restitutions, (n,) each, by the name of the case.
+    notes
+        What was left out, a sentence each.
 
-
-def _spreads(
-    where: str,
-    cells: Mapping[str, str],
-    value: Callable[[str], float],
-    v: float,
-    normal: float,
-) -> dict[str, float]:
-    """Parse sigma, sigma_v and the diameter of a row, of which v is the normal speed.
-
-    ``normal`` is the share of that in the speed as it stands.
+    Raises
+    ------
+    OSError, ValueError
+        As of `read_rebounds`.
     """
-    numbers = {name: value(name) for name in ("sigma", "d") if name in cells}
-    for name, below in (("sigma", 1.0), ("d", np.inf)):
-        if not 0.0 < numbers.get(name, 0.5) < below:
-            least = "positive" if name == "d" else "above 0 and below 1"
-            raise ValueError(f"{where}: {name} must be {least}, got {cells[name]}")
-    wholes = {"sigma_v": v / normal, "sigma_d": numbers.get("d", 1.0)}
-    for column in cells:
-        name = column.removesuffix(" in %")
-        if name in wholes:
-            relative = value(column) / (wholes[name] if column == name else 1.0)
-            if not 0.0 <= relative < 0.5:
-                raise ValueError(
-                    f"{where}: {name} must be from 0 to half of {OF[name]}, got {cells[column]}"
-                )
-            key, unit = ("sigma_v", v) if name == "sigma_v" else ("size_scatter", 1.0)
-            numbers[key] = unit * relative
-    return numbers
-
-
-def _number(where: str, column: str, cell: str, mark: str) -> float:
-    try:
-        number = float(cell.translate({ord(mark): ".", ord(_OTHER[mark]): "?"}))
-    except ValueError:
-        number = np.nan
-    if not np.isfinite(number):
-        raise ValueError(f"{where}: {column} must be a number, got {cell!r}")
-    return number
+    table = read_table(source, CASES, units={SPEEDS: unit}, **reading)
+    if lacking := [name for name in CASES if name not in table.cells]:
+        raise ValueError(
+            f"{table.name}: the columns {', '.join(CASES)} are needed, got "
+            f"{', '.join(map(repr, [*table.cells, *table.ignored]))}; no {', '.join(lacking)}"
+        )
+    v, e = (table.numbers[name] for name in ("v", "e"))
+    table.require("v", v > 0.0, "positive")
+    words = [cell + _percent(x) for cell, x in zip(table.cells["e"], e, strict=True)]
+    table.require("e", (e >= 0.0) & (e < MOST), f"from 0 to {MOST:g}", words)
+    names = np.array(table.cells["case"])
+    rows, notes = table.kept(np.isnan(v) | np.isnan(e) | (names == ""), skip_bad_rows=skip_bad_rows)
+    cases = {name: rows & (names == name) for name in dict.fromkeys(names[rows].tolist())}
+    return {name: (v[which], e[which]) for name, which in cases.items()}, notes

@@ -17,6 +17,5 @@ from .empirical.fit import fit_restitution as fit_restitution
 from .law.export import export as export
 from .law.table import Law as Law
 from .law.table import tabulate as tabulate
-from .posterior import calibrate as calibrate
 from .posterior import calibrate_laws as calibrate_laws
 from .rigid_body.algebra import rigid_body_rebound as rigid_body_rebound

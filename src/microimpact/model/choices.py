@@ -19,6 +19,8 @@ NUMBERS = ("diameter", *CALIBRATED, "friction")
 STIFFNESS_MODELS = ("hertz", "reduced")
 # Quantiles of draws: the ends and the middle of a 95 % interval, the level of all intervals here.
 INTERVAL = (0.025, 0.5, 0.975)
+# A measured e above 1 is noise up to this many of its standard deviations.
+NOISE = 3.0
 # Forms in which a rebound law is written.
 FORMATS = ("c", "csv", "fluent", "openfoam", "lammps-jkr")
 # Those of a wall, which a second sphere is not.

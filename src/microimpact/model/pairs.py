@@ -40,20 +40,6 @@ Pair = tuple[str, str]
 Pairs = Mapping[Pair, Mapping[str, float]]
 
 
-class IncompletePairError(ValueError):
-    """A pair that is not declared, or not wholly.
-
-    Attributes
-    ----------
-    pair, missing, near
-        Which, the fields to give, and a declared pair of a similar name.
-    """
-
-    def __init__(self, pair: str, missing: list[str], near: str) -> None:
-        super().__init__(f"{pair}; give {', '.join(missing)}{near}")
-        self.pair, self.missing, self.near = pair, missing, near
-
-
 def pairs_from_rows(rows: Iterable[Row]) -> dict[Pair, dict[str, float]]:
     """Collect the properties of every declared pair, in SI units.
 
@@ -100,33 +86,6 @@ def pair_contact(
         "particle": find_material(particle, materials),
         "surface": find_material(surface, materials),
     }
-    fields = pair_fields(particle, surface, pairs, **changes)
-    if {"zeta_hertz", "zeta_adhesion"} & set(fields):
-        if {"hertz_damping", "adhesion_damping"} & set(fields):
-            raise ValueError(
-                f"the pair {particle!r} on {surface!r}: give both zetas or both dampings"
-            )
-        return Contact.from_zeta(**bodies, **fields)
-    return Contact(**bodies, **fields)
-
-
-def pair_fields(particle: str, surface: str, pairs: Pairs, **changes: Any) -> dict[str, Any]:
-    """Return the fields of a pair's contact beside its materials; see `pair_contact`.
-
-    Parameters
-    ----------
-    particle, surface
-        Names of the materials.
-    pairs
-        Properties of the declared pairs.
-    **changes
-        Fields of `Contact` in place of the declared ones.
-
-    Raises
-    ------
-    IncompletePairError
-        If the pair is not declared and the changes do not suffice.
-    """
     declared = dict(pairs.get((particle, surface), {}))
     replaced = {name: value for name, value in changes.items() if value is not None}
     alternatives = (
@@ -145,7 +104,12 @@ def pair_fields(particle: str, surface: str, pairs: Pairs, **changes: Any) -> di
         known = [" on ".join(pair) for pair in pairs if pair == (surface, particle)]
         name = f"{particle} on {surface}"
         state = "is incomplete" if (particle, surface) in pairs else "is not declared"
-        raise IncompletePairError(
-            f"the pair {name!r} {state}", missing, nearest(name, known) if known else ""
-        )
-    return fields
+        near = nearest(name, known) if known else ""
+        raise ValueError(f"the pair {name!r} {state}; give {', '.join(missing)}{near}")
+    if {"zeta_hertz", "zeta_adhesion"} & set(fields):
+        if {"hertz_damping", "adhesion_damping"} & set(fields):
+            raise ValueError(
+                f"the pair {particle!r} on {surface!r}: give both zetas or both dampings"
+            )
+        return Contact.from_zeta(**bodies, **fields)
+    return Contact(**bodies, **fields)

@@ -3,17 +3,16 @@
 Two numbers do not determine an adhesive, damped contact; a curve of e against the speed hardly
 does. What is left open comes out as an array of contacts, which every model takes as it takes one.
 
-`calibrate` draws by the ring force, `calibrate_laws` by several laws with the weights of a fit.
-In units of its capture velocity a law of contact has one to three parameters, of which
-`microimpact.model.empirical.shapes` has tables. These and v_c are drawn from the likelihood of the
-fit, of sizes that scatter and speeds with errors, too. Similarity gives the work of adhesion and
-the other fields of a contact of the bodies at hand, exactly: at one size the laws agree with the
-data, at others each goes its way.
+`calibrate_laws` draws by several laws with the weights of a fit. In units of its capture velocity a
+law of contact has one to three parameters, of which `microimpact.model.empirical.shapes` has
+tables. These and v_c are drawn from the likelihood of the fit, of sizes that scatter and speeds
+with errors, too. Similarity gives the work of adhesion and the other fields of a contact of the
+bodies at hand, exactly: at one size the laws agree with the data, at others each goes its way.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -21,45 +20,25 @@ import numpy as np
 import scipy
 
 from microimpact.core import ensemble
-from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, Range, whole
-from microimpact.core.nearest import nearest
+from microimpact.core.arrays import FloatArray, Numbers, whole
 from microimpact.core.readable import Readable
-from microimpact.model.choices import INTERVAL
 from microimpact.model.contact import Contact, require_contact
-from microimpact.model.contact_laws import RING_FORCE
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.empirical import scatter, shapes
 from microimpact.model.empirical.comparison import LEAST, Comparison, compare_models, sorted_data
 from microimpact.model.empirical.data import (
     LARGEST_SIZE_SCATTER,
     SMALLEST_SIZE_SCATTER,
     DataSets,
-    measurements,
 )
 from microimpact.model.empirical.kernel import LN_SIGMA, LN_SIZE, PARAMETERS, SCATTERED, curves
 
-# Ranges of what can be free; those of damping are of c v at the highest speed, a pure number.
-RANGES = {
-    "work_of_adhesion": (1e-3, 10.0),
-    "hertz_damping": (0.0, 10.0),
-    "adhesion_damping": (1e-3, 1e3),
-    "adhesion_rate_exponent": (0.0, 1.0),
-}
-FREE = tuple(RANGES)
-SYMBOLS = dict(zip(("w_A", "c_H", "c_A", "n"), FREE, strict=True))
-PER_SPEED = frozenset({"hertz_damping", "adhesion_damping"})
-# Those whose logarithm is uniform in its range; the others are so themselves.
-LOGARITHMIC = frozenset({"work_of_adhesion", "adhesion_damping"})
 LAWS = ("ring force", "viscous JKR", "Thornton-Ning", "hysteresis")
-
-RESTITUTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
 
 # Misfits that chance brings about more rarely are told.
 REJECTED = 0.01
-# Steps of the sampler by the ring force, and by free variable of several laws; if need be they are
-# doubled, twice at most.
-STEPS, STEPS_EACH, DOUBLINGS = 450, 350, 2
+# Steps of the sampler by free variable; if need be they are doubled, twice at most.
+STEPS_EACH, DOUBLINGS = 350, 2
 # The chains have not come together where their halves differ by more, or where they are worth fewer
 # independent draws than this share of those wanted.
 LARGEST_R_HAT, LEAST_SHARE = 1.1, 0.5
@@ -93,51 +72,6 @@ class Misfit:
 
 class NoConvergenceError(RuntimeError):
     """The chains have not come together."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Calibration(Readable):
-    """Contacts that data admit; ``str(calibration)`` is a summary.
-
-    Attributes
-    ----------
-    contact
-        Contact whose free fields are arrays (draws,): `simulate` and `capture_velocity` take it
-        as it is, with speeds of shape (..., 1) for curves.
-    best
-        The one of these contacts with the highest posterior density.
-    free
-        Names of the free fields.
-    misfit
-        Of the best contact.
-    effective_size, split_r_hat
-        Of the sampler: independent draws that its steps are worth, and per free field the spread
-        between the halves of the chains against that within.
-    """
-
-    contact: Contact
-    best: Contact
-    free: tuple[str, ...]
-    misfit: Misfit
-    effective_size: float
-    split_r_hat: Mapping[str, float]
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Reasons not to trust the draws, in sentences."""
-        return self.misfit.warnings
-
-    def summary(self) -> str:
-        """Misfit, state of the sampler and range of each free field, as text."""
-        number = self.contact.shape[0]
-        lines = [f"{number} draws; {self.misfit}; effective size {self.effective_size:.0f}"]
-        for name in self.free:
-            low, middle, high = np.quantile(getattr(self.contact, name), INTERVAL)
-            lines.append(
-                f"{name} {middle:.4g} [{low:.4g}, {high:.4g}] (median, 95 %), "
-                f"split R-hat {self.split_r_hat[name]:.3f}"
-            )
-        return "\n".join(lines)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -181,95 +115,11 @@ class LawDraws(Readable):
         return "\n".join([*lines, f"{self.comparison.models[0].name}: {self.misfit}"])
 
 
-def calibrate(
-    contact: Contact,
-    v: Numbers,
-    e: Numbers,
-    sigma: Numbers,
-    free: Iterable[str] = FREE,
-    *,
-    draws: int = 400,
-    seed: int = 0,
-) -> Calibration:
-    """Draw the contacts by the ring force that measured restitutions in normal impacts admit.
-
-    `calibrate_laws` does not suppose this law. The likelihood is normal in e. Before the data the
-    logarithms of w_A, from 0.001 to 10 J/m2, and of c_A v, from 0.001 to 1000, are uniform, and so
-    are c_H v up to 10, which adds to the loss, and n up to 1; v is the highest speed.
-
-    Parameters
-    ----------
-    contact
-        One contact; its fields that are not free are kept.
-    v
-        Normal speeds, m/s, positive (m,), two or more.
-    e
-        Restitutions measured there, in [0, 1]; 0 for captured spheres.
-    sigma
-        Standard errors of e, positive: one for all, or (m,).
-    free
-        Fields to be drawn: ``work_of_adhesion`` or ``w_A``, ``hertz_damping`` or ``c_H``,
-        ``adhesion_damping`` or ``c_A``, ``adhesion_rate_exponent`` or ``n``. Where n is, and the
-        contact has no reference velocity, that is the geometric mean of the speeds.
-    draws
-        How many are returned.
-    seed
-        Of all random numbers, 0 or more.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is of another kind, shape or range.
-    NoConvergenceError
-        If the chains have not come together.
-
-    Examples
-    --------
-    >>> found = calibrate(contact, v=[0.3, 0.8, 1.7], e=[0.45, 0.69, 0.70], sigma=0.02)
-    >>> capture_velocity(found.contact).shape
-    (400,)
-    """
-    require_contact(contact, pair=True)
-    _require_single(contact, draws, seed)
-    names = free_fields(free)
-    speed, target, error = measurements(v, e, sigma, RESTITUTION, POSITIVE)
-    if speed.size < 2:
-        raise ValueError(f"v and e must hold two measurements or more, got {speed.size}")
-    if "adhesion_rate_exponent" in names and contact.reference_velocity is None:
-        contact = contact.replace(reference_velocity=float(np.exp(np.mean(np.log(speed)))))
-    fastest = float(speed.max())
-    ends = np.array([RANGES[name] for name in names])
-    ends /= np.array([[fastest if name in PER_SPEED else 1.0] for name in names])
-    logs = np.array([name in LOGARITHMIC for name in names])
-    ends[logs] = np.log(ends[logs])
-
-    def contacts(points: FloatArray) -> Contact:
-        values = np.where(logs, np.exp(np.where(logs, points, 0.0)), points)
-        return contact.replace(**dict(zip(names, values.T[..., None], strict=True)))
-
-    def log_likelihood(points: FloatArray) -> FloatArray:
-        e = normal_impact(contacts(points), speed).coefficient_of_restitution
-        return np.asarray(-0.5 * np.sum(np.square((e - target) / error), axis=1))
-
-    chain = _chain(log_likelihood, ends.T[0], ends.T[1], names, draws=draws, steps=STEPS, seed=seed)
-    chosen = contacts(chain.points)
-    arrays = {name: getattr(chosen, name)[:, 0] for name in names}
-    best = int(np.argmax(chain.log_density))
-    return Calibration(
-        contact=contact.replace(**arrays),
-        best=contact.replace(**{name: float(value[best]) for name, value in arrays.items()}),
-        free=names,
-        misfit=Misfit(RING_FORCE, -2.0 * chain.log_density.max(), speed.size - len(names)),
-        effective_size=chain.effective_size,
-        split_r_hat=dict(zip(names, chain.split_r_hat.tolist(), strict=True)),
-    )
-
-
 def calibrate_laws(
     contact: Contact,
     v: Numbers,
     e: Numbers,
-    sigma: Numbers,
+    sigma: Numbers | None = None,
     sigma_v: Numbers | None = None,
     d: Numbers | None = None,
     size_scatter: Numbers | Literal["free"] | None = None,
@@ -316,7 +166,8 @@ def calibrate_laws(
     data = sorted_data(*measured)
     if comparison.diameter is not None:
         contact = contact.replace(diameter=comparison.diameter)
-    widened = max(1.0, comparison.scatter)
+    # Where sigma is not given, the data are in units of 1.
+    widened = comparison.sigma or max(1.0, comparison.scatter)
     reference = contact.reference_velocity
     if reference is None:
         reference = data.unit[0] * np.exp(np.mean(np.log(data.v)))
@@ -344,20 +195,20 @@ def _require_single(contact: Contact, draws: object, seed: object) -> None:
 
 
 def _chain(
+    law: str,
     log_density: ensemble.LogDensity,
     low: FloatArray,
     high: FloatArray,
     names: Sequence[str],
     *,
     draws: int,
-    steps: int,
     seed: int,
-    law: str = "",
 ) -> ensemble.Draws:
-    """Draw in so many steps, or in twice or four times as many if the chains do not agree.
+    """Draw in `STEPS_EACH` per axis, or in twice or four times as many if the chains do not agree.
 
     Raises NoConvergenceError, naming the worst axis, if they still are not worth so many draws.
     """
+    steps = STEPS_EACH * len(low)
     most = steps * 2**DOUBLINGS
     chain = ensemble.draw(log_density, low, high, draws=draws, steps=steps, seed=seed)
     while steps < most and not has_converged(chain, draws):
@@ -367,10 +218,9 @@ def _chain(
         return chain
     worst = int(np.argmax(chain.split_r_hat))
     raise NoConvergenceError(
-        f"the chains {f'of {law} ' if law else ''}have not come together in {steps} steps: "
-        f"they are worth {chain.effective_size:.0f} independent draws, and split R-hat of "
-        f"{names[worst]} is {chain.split_r_hat[worst]:.3f}; give fewer draws"
-        f"{'' if law else ', or fewer free'}"
+        f"the chains of {law} have not come together in {steps} steps: they are worth "
+        f"{chain.effective_size:.0f} independent draws, and split R-hat of {names[worst]} is "
+        f"{chain.split_r_hat[worst]:.3f}; give fewer draws"
     )
 
 
@@ -378,21 +228,6 @@ def has_converged(chain: ensemble.Draws, draws: int) -> bool:
     """Tell whether chains agree and are worth so many draws."""
     agree = chain.split_r_hat.max() <= LARGEST_R_HAT
     return bool(agree and chain.effective_size >= LEAST_SHARE * draws)
-
-
-def free_fields(free: Iterable[str]) -> tuple[str, ...]:
-    """Return the fields of a contact by their names or symbols."""
-    names = (free,) if isinstance(free, str) else tuple(free)
-    for name in names:
-        if name not in SYMBOLS and name not in FREE:
-            known = (*SYMBOLS, *FREE)
-            raise ValueError(
-                f"free must be among {', '.join(known)}, got {name!r}{nearest(str(name), known)}"
-            )
-    names = tuple(SYMBOLS.get(name, name) for name in names)
-    if not names or len(set(names)) < len(names):
-        raise ValueError(f"free must name one field or more, each once, got {names}")
-    return names
 
 
 def _shares(comparison: Comparison, draws: int) -> list[int]:
@@ -442,17 +277,8 @@ def _drawn(
         return np.asarray(-0.5 * np.sum(np.square((e - data.e) * data.weight / widened), axis=1))
 
     names = [*(f"axis {k}" for k in free), "v_c", "scatter of size"]
-    steps = STEPS_EACH * len(low)
-    chain = _chain(
-        log_likelihood,
-        np.array(low),
-        np.array(high),
-        names,
-        draws=draws,
-        steps=steps,
-        seed=seed,
-        law=law,
-    )
+    ends = np.array(low), np.array(high)
+    chain = _chain(law, log_likelihood, *ends, names, draws=draws, seed=seed)
     at = places(chain.points)[:, :PARAMETERS]
     v_c = data.unit[0] * np.exp(chain.points[:, free.size])
     return np.column_stack([at, v_c]), int(np.argmax(chain.log_density))

@@ -8,13 +8,21 @@ s of `microimpact.model.dynamics.laws`, JKR's contact closes at ``s^3 = 4 b`` an
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
-from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, Range, checked, common_shape
+from microimpact.core.arrays import (
+    POSITIVE,
+    FloatArray,
+    Numbers,
+    Range,
+    Real,
+    checked,
+    common_shape,
+)
 from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
@@ -41,6 +49,13 @@ WORKS = {
 }
 RIGID_WALL = "the wall is taken as rigid"
 NOT_REDUCED = "mass and radius of one sphere are taken, not the reduced ones of two"
+REDUCED = "the wall is taken as an equal sphere: mass and radius are halved"
+HALF_MASS = "half the mass is taken"
+DIAMETER = "the diameter is taken for the radius"
+DIAMETER_IN_FORCE = "the diameter is taken for the radius in the force, not in the mass"
+HALF_MODULUS = "half of Young's modulus is taken"
+POISSON = "1 - nu is taken for 1 - nu^2"
+SQUARED = "e^2 is given for e"
 TIME_STEP = "the difference is irregular in the speed: the time step is too long"
 UNKNOWN = "no known mistake"
 
@@ -127,6 +142,7 @@ def mistakes(contact: Contact, speed: FloatArray) -> Iterator[tuple[str, FloatAr
     """Restitutions (n,) at normal speeds (n,), m/s, by all known mistakes, each with its words."""
     for words, changed in _other_contacts(contact):
         yield words, normal_impact(changed, speed).coefficient_of_restitution
+    yield SQUARED, np.square(normal_impact(contact, speed).coefficient_of_restitution)
     if isinstance(contact.law, JKR):
         for (start, begun), (end, broken), (factor, taken) in product(
             STARTS.items(), ENDS.items(), WORKS.items()
@@ -148,6 +164,13 @@ def _other_contacts(contact: Contact) -> Iterator[tuple[str, Contact]]:
     else:
         rigid = replace(contact.surface, name="rigid", youngs_modulus=1e30)
         yield RIGID_WALL, contact.replace(surface=rigid)
+        yield REDUCED, contact.replace(partner_diameter=contact.diameter)
+    yield HALF_MASS, _with_bodies(contact, density=0.5)
+    yield DIAMETER, _enlarged(contact)
+    yield DIAMETER_IN_FORCE, _with_bodies(_enlarged(contact), density=0.125)
+    yield HALF_MODULUS, _with_bodies(contact, youngs_modulus=0.5)
+    poisson = contact.particle.poissons_ratio  # all bodies are of one material
+    yield POISSON, _with_bodies(contact, youngs_modulus=1.0 + poisson)
     if contact.law is None and np.any(work):
         # m v dv = -F (1 + c v) dn: adhesion drops out between two touches.
         bare = contact.replace(work_of_adhesion=0.0, adhesion_damping=0.0)
@@ -156,21 +179,18 @@ def _other_contacts(contact: Contact) -> Iterator[tuple[str, Contact]]:
         yield "adhesion is not damped", contact.replace(adhesion_damping=0.0)
 
 
-def verify_table(
-    rows: Sequence[Mapping[str, str]], tolerance: float = TOLERANCE
-) -> tuple[Verdict, ...]:
-    """Compare all cases of a table with the columns case, normal_speed_m_per_s and restitution.
+def _with_bodies(contact: Contact, **factors: Real) -> Contact:
+    """Contact whose bodies have properties multiplied by factors."""
+    bodies = {
+        role: replace(body, **{name: getattr(body, name) * f for name, f in factors.items()})
+        for role, body in (("particle", contact.particle), ("surface", contact.surface))
+    }
+    return contact.replace(**bodies)
 
-    Raises ValueError if there is no row, a cell is no number, or as `verify`.
-    """
-    cases: dict[str, list[tuple[float, float]]] = {}
-    for number, row in enumerate(rows, 1):
-        try:
-            pair = float(row["normal_speed_m_per_s"]), float(row["restitution"])
-        except ValueError as error:
-            raise ValueError(f"row {number}: {error}") from None
-        cases.setdefault(row["case"], []).append(pair)
-    if not cases:
-        raise ValueError("the table must have a row at least, got none")
-    columns = {case: np.array(pairs).T for case, pairs in cases.items()}
-    return tuple(verify(case, v, e, tolerance) for case, (v, e) in columns.items())
+
+def _enlarged(contact: Contact) -> Contact:
+    """Contact of spheres twice as large."""
+    sizes = {"diameter": 2.0 * contact.diameter}
+    if contact.is_pair:
+        sizes["partner_diameter"] = 2.0 * contact.partner_diameter
+    return contact.replace(**sizes)

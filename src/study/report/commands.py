@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 
 from microimpact.cli import run
+from microimpact.cli.output import echo
 
 REFERENCE = Path("tests/reference")
 # Tables of a full run that the pages of the documentation read.
@@ -61,7 +62,7 @@ def reference_command(results: Path, reference: Path, *, remove: bool) -> None:
     click.echo(f"{reference}: {len(changed)} files changed")
 
 
-@click.command("compare")
+@click.command("compare", short_help="Two results folders side by side.")
 @click.argument("baseline", type=_folder)
 @click.argument("changed", type=_folder)
 @click.option("--html", type=_folder, help="Write a page with figures side by side, too.")
@@ -71,7 +72,7 @@ def compare_command(baseline: Path, changed: Path, html: Path | None) -> None:
     from study.report.check.compare import as_text, compare, page
 
     changes = compare(baseline, changed)
-    click.echo(as_text(changes))
+    echo(as_text(changes))
     if html:
         write_file(html, page(changes))
         click.echo(f"\nPage: {html}")
@@ -79,7 +80,7 @@ def compare_command(baseline: Path, changed: Path, html: Path | None) -> None:
         raise SystemExit(1)
 
 
-@click.command("claim")
+@click.command("claim", short_help="How a claim is judged.")
 @click.argument("name")
 @click.option(
     "--set",
@@ -95,7 +96,7 @@ def compare_command(baseline: Path, changed: Path, html: Path | None) -> None:
     "default: results, if it is there.",
 )
 def claim_command(name: str, settings: tuple[str, ...], results: Path | None) -> None:
-    """Tell the claim NAME, such as C58, how it is judged, its numbers and their source.
+    """Explain the claim NAME, such as C58: how it is judged, its numbers and their source.
 
     With --set the claim alone is computed; nothing is written.
     """
@@ -104,7 +105,7 @@ def claim_command(name: str, settings: tuple[str, ...], results: Path | None) ->
 
     if results:
         require_results(results)
-    click.echo(tell(name, changed(settings), results or Path("results")))
+    echo(tell(name, changed(settings), results or Path("results")))
 
 
 @click.command("crate")

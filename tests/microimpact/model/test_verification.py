@@ -12,8 +12,10 @@ from tests.shared import ROOT
 
 from microimpact.core.materials import Material
 from microimpact.model import reference, verification
+from microimpact.model.closed_forms import jkr_loss
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.laws import jkr_restitution
+from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.reference import CASES
 from microimpact.model.verification import ENDS, NOT_REDUCED, RIGID_WALL, STARTS, TIME_STEP, WORKS
 
@@ -235,16 +237,39 @@ def test_numbers_and_lists_will_do_but_no_complex_ones():
             verification.verify("hertz-wall", speed, restitution)
 
 
-def test_the_table_is_refused_by_row():
-    row = {"case": "jkr-wall", "normal_speed_m_per_s": "0.1", "restitution": "0.9"}
-    assert len(verification.verify_table([row])) == 1
-    for change, message in (
-        ({"case": "jkr-wal"}, r"case 'jkr-wal' unknown \(did you mean 'jkr-wall'\?\)"),
-        ({"restitution": "?"}, "row 1: could not convert"),
-        ({"restitution": "-1"}, r"e must be finite and in \[0, 2\), got -1 at index 0"),
-        ({"normal_speed_m_per_s": "0"}, r"speed must be finite and .*, got 0 at index 0"),
+@pytest.mark.parametrize(
+    ("words", "ratio"),
+    [
+        (verification.REDUCED, 0.891),
+        (verification.HALF_MASS, 2 ** (1 / 2)),
+        (verification.DIAMETER, 2 ** (-5 / 6)),
+        (verification.DIAMETER_IN_FORCE, 2 ** (2 / 3)),
+        (verification.HALF_MODULUS, 2 ** (1 / 3)),
+        (verification.POISSON, 1.25 ** (-1 / 3)),
+    ],
+)
+def test_mistakes_of_one_number_are_named(words, ratio):
+    """By the closed form: v_s goes as w^(5/6) R^(2/3) K^(-1/3) m^(-1/2)."""
+    contact = CASES["jkr-wall"].contact
+    sticking = ratio * float(np.sqrt(2 * jkr_loss(contact) / contact.mass))
+    e = np.sqrt(np.maximum(1.0 - (sticking / SPEEDS) ** 2, 0.0))
+    found = verification.verify("jkr-wall", SPEEDS, e)
+    assert words in [cause for cause, _ in found.causes], found
+
+
+def test_the_square_of_e_is_named():
+    speed = np.array([0.06, 0.1, 0.2, 0.5])
+    for case in ("jkr-wall", "viscous-jkr-pair", "ring-force-wall"):
+        e = normal_impact(CASES[case].contact, speed).coefficient_of_restitution
+        found = verification.verify(case, speed, e**2)
+        assert found.causes[0][0] == verification.SQUARED, found
+
+
+def test_no_case_or_number_of_another_range_is_compared():
+    for case, v, e, message in (
+        ("jkr-wal", 0.1, 0.9, r"case 'jkr-wal' unknown \(did you mean 'jkr-wall'\?\)"),
+        ("jkr-wall", 0.1, -1.0, "e must be .*, got -1"),
+        ("jkr-wall", 0.0, 0.9, "speeds? must be finite and .*, got 0"),
     ):
         with pytest.raises(ValueError, match=message):
-            verification.verify_table([row | change])
-    with pytest.raises(ValueError, match="a row at least"):
-        verification.verify_table([])
+            verification.verify(case, np.array([v]), np.array([e]))

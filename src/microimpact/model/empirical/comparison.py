@@ -24,6 +24,7 @@ import scipy
 from microimpact.core.arrays import FloatArray, Numbers, Range, checked
 from microimpact.core.readable import Readable, precise, table
 from microimpact.core.solve import roots
+from microimpact.model.choices import NOISE
 from microimpact.model.empirical import scatter, shapes
 from microimpact.model.empirical.data import (
     DataSets,
@@ -259,7 +260,8 @@ def compare_models(
     v
         Normal impact speeds (n,), m/s; repeats are welcome.
     e
-        Coefficients of restitution (n,), in [0, 1]; 0 for a captured sphere.
+        Coefficients of restitution (n,), in [0, 1], or above by three sigma; 0 for a captured
+        sphere.
     sigma
         Standard deviation of e, one number or (n,); None: one for all, estimated.
     sigma_v
@@ -333,7 +335,9 @@ def _checked(
 ) -> tuple[DataSets, Places, bool, float | None]:
     """Check a data set and sort it by speed: data, order, whether sigma is known, diameter."""
     spread = 1.0 if sigma is None else sigma
-    speed, measured, spread = measurements(v, e, spread, FRACTION, SPREAD)
+    noise = 0.0 if sigma is None else NOISE * np.max(checked("sigma", sigma, SPREAD))
+    allowed = replace(FRACTION, upper=1.0 + noise)
+    speed, measured, spread = measurements(v, e, spread, allowed, SPREAD)
     open_sizes = scatter_of(speed, sigma_v, d, size_scatter)
     require_telling(speed, measured, FEWEST, FEWEST - 1)
     order = np.argsort(speed, kind="stable")
