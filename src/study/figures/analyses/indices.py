@@ -16,25 +16,22 @@ from study.figures.registry import FigureSpec, PanelSpec
 from study.tables import Tables
 
 FACTORS = ("$K$", "$w_A$", "$r$", r"$\zeta_A$", r"$\zeta_H$")
-INPUTS = ("$r$", "$K$", "$e$", "$v_c$", "ridge")
-TOTAL: dict[str, Any] = {"marker": "o"}
 LOOKS: dict[str, dict[str, Any]] = {
-    "total index": TOTAL,
+    "total index": {"marker": "o"},
     "first-order index": {"marker": "o", "fillstyle": "none"},
     "share of squared effects": {"marker": "D", "fillstyle": "none"},
 }
-# Of the inputs of a calibration, and of the factors whose convergence is shown.
-CASES: tuple[dict[str, Any], ...] = ({}, {"fillstyle": "none"})
+# Of the factors whose convergence is shown.
 SHAPES = ("o", "s", "^", "D", "v")
-# Distance of marks of the same input.
+# Distance of marks of the same factor.
 APART = 0.2
 
 
 @style.context()
 def draw(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw indices of five factors, of the inputs of a calibration, and their convergence.
+    """Draw indices of five factors and their convergence.
 
-    The abscissa counts inputs, or samples in the panel ``convergence``.
+    The abscissa counts factors, or samples in the panel ``convergence``.
     """
     figure, axes = style.new_figure(spec)
     (table,) = tables.values()
@@ -45,22 +42,18 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
         if name == "convergence":
             _draw_convergence(axes[name], rows, panel)
         else:
-            _draw_inputs(axes[name], rows, panel, INPUTS if name == "calibrated" else FACTORS)
+            _draw_factors(axes[name], rows, panel)
     style.legend_above(figure, [next(iter(axes.values()))], title="all computed")
     return figure
 
 
-def _draw_inputs(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, names: tuple[str, ...]) -> None:
-    series = [name for name in panel.series if name in set(rows["series"])]
-    for number, name in enumerate(series):
-        shift = APART * (number - 0.5 * (len(series) - 1))
-        look = LOOKS.get(name) or TOTAL | CASES[number % len(CASES)]
+def _draw_factors(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
+    for number, (name, look) in enumerate(LOOKS.items()):
+        shift = APART * (number - 0.5 * (len(LOOKS) - 1))
         _marks(ax, rows[rows["series"] == name], panel, name, look, shift)
-    ax.set_xticks(np.arange(len(names)), names)
+    ax.set_xticks(np.arange(len(FACTORS)), FACTORS)
     ax.xaxis.set_minor_locator(NullLocator())
     ax.tick_params(axis="x", length=0)
-    if panel.legend_place == "upper right":
-        ax.legend(loc="upper right")
 
 
 def _draw_convergence(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
