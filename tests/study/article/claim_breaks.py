@@ -241,7 +241,7 @@ BREAKS = {
     "C33": partial(force_history, adhesion_damping=2.0),
     "C34": no_material_damping,
     "C39": printed_sign_of_eq_29,
-    "C42": partial(patched, where=dynamics, MOMENTS=("steady_over_friction",)),
+    "C42": partial(patched, where=dynamics, MOMENTS=("bound_over_friction",)),
     "C44": partial(minus_in_eq_35, where=roughness),
     "C53": partial(levels, factor="adhesion_dissipation", half=0.05),
     "C54": small_levels_of_damping,
