@@ -11,6 +11,7 @@ from microimpact.model.dynamics.capture import capture_velocity
 from study.declared.parameters import build
 from study.studies.analyses import sensitivity
 from study.studies.analyses.doe.factors import LETTERS, at_levels
+from study.studies.claims.claim_numbers import designs
 from study.studies.contacts import calibrated_contact
 
 STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
@@ -92,6 +93,14 @@ def test_another_generator(run_study, calibration, sampling):
     table = found["doe_effects"]
     own = table[(table["variation"] == "uniform") & (table["response"] == "v_c by Eq. 34")]
     assert own["effect"].tolist() == ["A", "B", "C", "D", "E", "BC", "BE"]
+    # I = ABD = ACE = BCDE: the figure says which effects are one
+    drawn = found["fig24"]["series"].str.removeprefix("v_c: ")
+    assert {"A+BD+CE", "B+AD", "BC+DE", "BE+CD"} <= set(drawn)
+    fraction = table[(table["variation"] == "uniform") & (table["design"] == "fraction")]
+    effects = fraction[fraction["response"] == "v_c"].set_index("effect")
+    for word, mixed in {"A": "BD and CE", "BD": "A and CE"}.items():
+        with pytest.raises(ValueError, match=f"doe.generator: .* tell {word} from {mixed}"):
+            designs.effect(effects, word)
 
 
 # Sobol' indices

@@ -198,6 +198,8 @@ OVERLAYS = [
     ({"monte_carlo": {"process": {"diameter_um": {"kind": "truncated_normal", "mean": 50, "sd": 9, "low": 100, "high": 110}}}}, ["monte_carlo.process.diameter_um: from 100 to 110, only 1e-08 of mean 50, sd 9 is left"]),
     ({"oblique_experiments": {"series": {"silicon front": {"speed_m_per_s": 3.0}}}}, ["oblique_experiments.series.silicon front.speed_m_per_s: 3 must be within speed_range_m_per_s, [1.6, 1.72]"]),
     ({"drops": {"steel on silicon": {"case": "steel-formica"}}}, ["drops.steel on silicon.case: 'steel-formica' is of stainless-steel-316 on formica, must be of stainless-steel-316 on silicon"]),
+    ({"normal_experiments": {"populations": {"spores": {"from": "particles.Lycopodium"}}}}, ["normal_experiments.populations.spores.particle: 'lycopodium' must be stainless-steel-316, as of the case 'steel-silicon, n = 1'"]),
+    ({"pair_search": {"from": "particles.Lycopodium"}}, ["pair_search.particle: 'lycopodium' must be stainless-steel-316, as of the case 'steel-silicon, n = 1'"]),
     ({"oblique_experiments": {"series": {"spore on Formica": None}}}, ["oblique_experiments.compared_with_all: 'spore on Formica' must be one of"]),
     ({"coulomb_friction": {"friction": [0.1, 0.1]}}, ["coulomb_friction.friction: 0.1 is repeated"]),
     ({"surfaces": {"silicon front": {"surface_slope": 1.5}}}, ["surfaces.silicon front.surface_slope: 1.5 rad must be from -0.5 to 0.5 rad"]),

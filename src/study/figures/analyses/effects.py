@@ -29,13 +29,15 @@ LABEL_GAP = 4.5
 def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a normal plot of effects, and a half-normal one.
 
-    A series is called ``response: effect``, or as one of the margins. Each panel names the
+    A series is called ``response: effect``, with what cannot be told from it, or as one of the
+    margins. Each panel names the
     responses it shows; the margins belong to the first.
     """
     figure, axes = style.new_figure(spec)
     (table,) = tables.values()
     parts = table["series"].str.split(": ", n=1, expand=True)
-    table = table.assign(response=parts[0], word=parts[1])
+    word = parts[1].str.split(r"[+-]", regex=True).str[0]
+    table = table.assign(response=parts[0], word=word, label=parts[1])
     for name, panel in spec.panels.items():
         rows = table[table["panel"] == name]
         if rows.empty:
@@ -96,10 +98,10 @@ def _label(
     """Write the effects beside their points: away from zero, or all to one side."""
     x, y = columns
     gap = LABEL_GAP if outward else LABEL_GAP + 1.5
-    for word, effect, height in zip(points["word"], points[x], points[y], strict=True):
+    for label, effect, height in zip(points["label"], points[x], points[y], strict=True):
         left = effect < 0.0 if outward else leftward
         ax.annotate(
-            word,
+            label,
             (effect, height),
             xytext=(-gap if left else gap, 0.0),
             textcoords="offset points",

@@ -7,6 +7,7 @@ import pandas as pd
 
 from microimpact.model.dynamics.capture import capture_velocity
 from study.declared.parameters import Finite
+from study.studies.analyses.doe import PAIR
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import Context, Numbers
 from study.studies.claims.claim_numbers.experiments import EXPONENT_STEP, local_exponents
@@ -92,18 +93,18 @@ def fraction(context: Context, variation: str) -> pd.DataFrame:
 
 
 def effect(effects: pd.DataFrame, word: str) -> float:
-    """Return the design's estimate of the effect of a word: the effect of its alias class.
+    """Return the design's estimate of the effect of a factor or of an interaction of two.
 
-    Raises ValueError if the word is constant over the runs.
+    Raises ValueError if the design does not tell it from another such effect.
     """
-    for name, size, aliases in zip(
-        effects.index, effects["effect_percent"], effects["aliases"].astype(str), strict=True
-    ):
-        if word in (name, *aliases.split()):
-            return float(size)
-        if f"-{word}" in aliases.split():
-            return -float(size)
-    raise ValueError(f"doe_effects: {word} is constant over the runs of the design")
+    for name, aliases in effects["aliases"].astype(str).items():
+        words = [str(name), *aliases.replace("-", "").split()]
+        if word in words:
+            if others := [other for other in words if other != word and len(other) <= PAIR]:
+                mixed = " and ".join(others)
+                raise ValueError(f"doe.generator: the design does not tell {word} from {mixed}")
+            return float(effects.at[name, "effect_percent"])
+    raise ValueError(f"doe.generator: {word} is constant over the runs of the design")
 
 
 def leading(effects: pd.DataFrame) -> float:
