@@ -61,7 +61,7 @@ def test_coulomb_curves_roll_with_the_restitution_of_their_own_contact(
         contact = resized(calibrated_contact(inputs, case), 62e-6)
         e = simulate(contact, 1.66).coefficient_of_restitution
         rolling = 2.0 / 7.0 / np.tan(np.radians(rows["x_deg"])) / (1.0 + e)
-        assert rows["y_1"].to_numpy() == pytest.approx(rolling.to_numpy(), rel=1e-6)
+        assert rows["y_1"].to_numpy() == pytest.approx(rolling.to_numpy(), rel=1e-4)
 
 
 @pytest.mark.parametrize(("speed", "angle"), [(1.05, 90), (1.66, 45)])
