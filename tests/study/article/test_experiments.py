@@ -72,21 +72,14 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
     branch = settings.branches["campaign"]
     window = 0.1 if angle == 90 else 0.036
     ends = [speed * (1 - window), speed * (1 + window)]
-    classes = {"own": {"speed_m_per_s": speed, "speed_range_m_per_s": ends}}
+    speeds = [{"speed_m_per_s": speed, "speed_range_m_per_s": ends}]
     size = "SST125" if angle == 90 else "SST76"
-    block = {
-        "particles": [size],
-        "surfaces": ["silicon front"],
-        "case": "steel-silicon, n = 1",
-        "speeds": ["own"],
-        "angles_deg": [angle],
-    }
-    own = {"blocks": {"one": block}, "counted": dict.fromkeys(branch["counted"], 1)}
-    params = build(campaign.Params, {**branch, "speed_classes": classes, **own})
+    block = branch["blocks"]["normal impacts of SST125" if angle == 90 else "fast impacts"]
+    own = {"one": {**block, "speeds": speeds, "angles_deg": [angle]}}
+    params = build(campaign.Params, {**branch, "blocks": own})
     declared = settings.rows["campaign"].items()
     inputs = {**calibration, **{name: parse_table(text) for name, text in declared}}
-    (one,) = params.experiments
-    tables = campaign.conducted(params, one, *campaign.contact(params, one, inputs))
+    (one,) = campaign.experiments(params, params.blocks["one"], inputs)
     if angle == 90:
         found = run_study("normal_experiments", calibration, speeds_m_per_s=[speed], points=10)
         rows = found["normal_experiments"].set_index("population")
@@ -100,7 +93,7 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
         found = run_study("oblique_experiments", calibration, points=10, **changes)
         rows = found["oblique_experiments"].set_index("series")
     names = ("dropped", "events", "restitution", "restitution_low", "restitution_high")
-    assert [rows.loc[size, name] for name in names] == [tables[name] for name in names]
+    assert [rows.loc[size, name] for name in names] == [one[name] for name in names]
 
 
 def test_the_mean_of_all_rebounds_shows_what_the_imaging_leaves_out(oblique, angles):
