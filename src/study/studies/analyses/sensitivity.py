@@ -59,7 +59,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``sensitivity_indices``: indices of the five factors, varied independently, beside their
     effects. ``sensitivity_convergence``: the same by number of samples. ``sobol``: indices drawn.
     """
-    indices, steps = [], []
+    indices: list[pd.DataFrame] = []
+    steps: list[pd.DataFrame] = []
     levels = inputs["doe_levels"]
     for number, case in enumerate(params.cases):
         contact = calibrated_contact(inputs, case)
@@ -70,14 +71,16 @@ def run(params: Params, inputs: Tables) -> Tables:
             draws, bootstrap = (generator(params.seed, ANALYSIS, number, turn, i) for i in (0, 1))
             points = sampled(params, variation, rows, draws)
             response = capture_velocity(at_levels(contact, points)).reshape(params.samples, -1)
-            label = {"case": case, "variation": variation}
+            label: Row = {"case": case, "variation": variation}
             indices += index_tables(params, label, response, inputs["doe_effects"], bootstrap)
             steps += convergence_tables(params, label, response, bootstrap)
-    tables = {
-        "sensitivity_indices": pd.concat(indices, ignore_index=True),
-        "sensitivity_convergence": pd.concat(steps, ignore_index=True),
+    table = pd.concat(indices, ignore_index=True)
+    convergence = pd.concat(steps, ignore_index=True)
+    return {
+        "sensitivity_indices": table,
+        "sensitivity_convergence": convergence,
+        "sobol": drawn(table, convergence, params.drawn_case),
     }
-    return tables | {"sobol": drawn(*tables.values(), params.drawn_case)}
 
 
 def sampled(

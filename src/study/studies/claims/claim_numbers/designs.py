@@ -97,13 +97,14 @@ def effect(effects: pd.DataFrame, word: str) -> float:
 
     Raises ValueError if the design does not tell it from another such effect.
     """
-    for name, aliases in effects["aliases"].astype(str).items():
-        words = [str(name), *aliases.replace("-", "").split()]
+    sizes = effects["effect_percent"].to_numpy(float)
+    for name, aliases, size in zip(effects.index, effects["aliases"], sizes, strict=True):
+        words = [name, *str(aliases).replace("-", "").split()]
         if word in words:
             if others := [other for other in words if other != word and len(other) <= PAIR]:
                 mixed = " and ".join(others)
                 raise ValueError(f"doe.generator: the design does not tell {word} from {mixed}")
-            return float(effects.at[name, "effect_percent"])
+            return float(size)
     raise ValueError(f"doe.generator: {word} is constant over the runs of the design")
 
 
