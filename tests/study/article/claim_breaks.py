@@ -26,6 +26,7 @@ from study.studies.analyses import doe
 from study.studies.analyses.doe.factors import realistic_levels
 from study.studies.claims.claim_numbers import (
     Params,
+    designs,
     dynamics,
     numbers_of,
     oblique,
@@ -93,6 +94,16 @@ def reversed_spin(claim, world):
         return plain(contact, speed, -spin)
 
     return patched(claim, world, oblique, rolling_limit=reversed_limit)
+
+
+def effect_mixed_with_bd(claim, world):
+    """The effect of A for BD, which a quarter of the design with D = AB does not tell from it."""
+    plain = designs.effect
+
+    def mixed(effects, word):
+        return plain(effects, "A" if word == "BD" else word)
+
+    return patched(claim, world, designs, effect=mixed)
 
 
 def strong_spore(claim, world):
@@ -245,6 +256,7 @@ BREAKS = {
     "C44": partial(minus_in_eq_35, where=roughness),
     "C53": partial(levels, factor="adhesion_dissipation", half=0.05),
     "C54": small_levels_of_damping,
+    "C55": effect_mixed_with_bd,
     "C56": partial(levels, factor="radius", half=0.0005),
     "C81": strong_spore,
     "C88": elastic_spore,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 MICA = "ammonium-fluorescein-mica"
+FLUORESCEIN = "ammonium-fluorescein"
 
 
 @pytest.fixture
@@ -23,7 +24,12 @@ def run(run_study, calibration):
         ),
         (
             "normal_experiments",
-            {"case": MICA, "speeds_m_per_s": [3.0, 6.0], "points": 20},
+            {
+                "case": MICA,
+                "populations": {key: {"particle": FLUORESCEIN} for key in ("SST65", "SST125")},
+                "speeds_m_per_s": [3.0, 6.0],
+                "points": 20,
+            },
             ("fig04", "fig05"),
         ),
     ],
