@@ -83,7 +83,7 @@ MUTANTS = [Mutant(*row) for row in (
     ("random numbers: parts of an analysis share one stream",
      "microimpact/statistics/distributions.py",
      "SeedSequence(seed, spawn_key=key)", "SeedSequence(seed)",
-     "statistics/test_distributions studies/test_campaign lab/test_dispenser lab/pdpa/test_pdpa"),
+     "statistics/test_distributions article/test_campaign lab/test_dispenser lab/pdpa/test_pdpa"),
     ("fits: constants left in the units of the fit", "microimpact/model/empirical/search.py",
      "parameters[:, [0, 2, V_C]] *=", "parameters[:, [V_C]] *=",
      "model/empirical/test_restitution_fit"),

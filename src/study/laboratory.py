@@ -145,7 +145,15 @@ class Laboratory:
         named = [(f"drops.{name}.case", drop.case, drop) for name, drop in self.drops.items()]
         named += [(f"impact.{key}", name, impact) for key, name in cases.items()]
         for key, name, drop in named:
-            case = self.cases.get(name)
-            bodies = f"{case.particle} on {case.surface}" if case else name
-            if bodies != (wanted := f"{drop.particle} on {drop.surface}"):
+            if (bodies := self.pair(name)) != (wanted := f"{drop.particle} on {drop.surface}"):
                 yield f"{key}: {name!r} is of {bodies}, must be of {wanted}"
+
+    def pair(self, case: str) -> str:
+        """Return the materials of a case, or of a declared pair, as ``particle on surface``."""
+        declared = self.cases.get(case)
+        return f"{declared.particle} on {declared.surface}" if declared else case
+
+    def other_particle(self, key: str, particle: str, case: str) -> Iterator[str]:
+        """Yield a line if a particle is none of a case."""
+        if particle != (wanted := self.pair(case).partition(" on ")[0]):
+            yield f"{key}: {particle!r} must be {wanted}, as of the case {case!r}"

@@ -413,11 +413,11 @@ use rule analysis as roughness_expansions with:
 
 
 use rule analysis as sensitivity with:
-    """data/sobol.csv: indices drawn; tables/sensitivity_*.csv: indices, groups, convergence."""
+    """data/sobol.csv: indices drawn; tables/sensitivity_*.csv: indices, convergence."""
     input:
-        **tables("calibration", "calibration_family", "doe_levels", "doe_effects"),
+        **tables("calibration", "doe_levels", "doe_effects"),
     output:
-        **tables("sensitivity_indices", "sensitivity_convergence", "sensitivity_groups"),
+        **tables("sensitivity_indices", "sensitivity_convergence"),
         **data("sobol"),
     pathvars:
         analysis="sensitivity",

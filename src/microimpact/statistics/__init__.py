@@ -1,1 +1,1 @@
-"""Distributions and draws, designs and their effects, Sobol' indices, shares."""
+"""Distributions and draws, designs and their effects, shares."""

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.model.dynamics.capture import capture_velocity
+from study.analyses.fig24_25_doe.compute import PAIR
 from study.claims.claim import RIDGE, Claim, Number
 from study.claims.context import Context, Numbers
 from study.claims.experiments import EXPONENT_STEP, local_exponents
@@ -206,18 +207,21 @@ def fraction(context: Context, variation: str) -> pd.DataFrame:
 
 
 def effect(effects: pd.DataFrame, word: str) -> float:
-    """Return the design's estimate of the effect of a word: the effect of its alias class.
+    """Return the design's estimate of the effect of a factor or of an interaction of two.
 
-    Raises ValueError if the word is constant over the runs.
+    Raises ValueError if the design does not tell it from another such effect.
     """
-    for name, size, aliases in zip(
-        effects.index, effects["effect_percent"], effects["aliases"].astype(str), strict=True
-    ):
-        if word in (name, *aliases.split()):
+    sizes = effects["effect_percent"].to_numpy(float)
+    for name, aliases, size in zip(effects.index, effects["aliases"], sizes, strict=True):
+        words = [name, *str(aliases).replace("-", "").split()]
+        if word in words:
+            if others := [other for other in words if other != word and len(other) <= PAIR]:
+                mixed = " and ".join(others)
+                raise ValueError(
+                    f"fig24_25_doe.generator: the design does not tell {word} from {mixed}"
+                )
             return float(size)
-        if f"-{word}" in aliases.split():
-            return -float(size)
-    raise ValueError(f"doe_effects: {word} is constant over the runs of the design")
+    raise ValueError(f"fig24_25_doe.generator: {word} is constant over the runs of the design")
 
 
 def leading(effects: pd.DataFrame) -> float:

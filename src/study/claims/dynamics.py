@@ -41,8 +41,7 @@ UNIT_FACTOR = 2.0
 # Tabor (1951): representative strain of an indentation over its radius in sphere radii.
 TABOR_STRAIN = 0.2
 # Columns of the moments that can arise during an impact, over the moment of friction: from all that
-# the impact loses, and from the model's own damping. Those of steady rolling and the bound are none
-# of these: an impact rolls through an eighth of the contact radius at most.
+# the impact loses, and from the model's own damping. The bound by statics is none of these.
 MOMENTS = ("impact_over_friction", "damping_over_friction")
 # Points of curves over speed.
 POINTS = 60
@@ -631,9 +630,6 @@ def gap_over_half_width(context: Context, dropped: Dropped, angle: float) -> flo
         "largest_contact_radius_over_radius": Number(
             "largest contact radius / sphere radius", at_most=0.1
         ),
-        "largest_moment_of_steady_rolling_over_friction_moment": Number(
-            "largest moment of steady rolling / friction moment"
-        ),
         "largest_bound_of_moment_over_friction_moment": Number(
             "largest bound on the moment / friction moment"
         ),
@@ -656,9 +652,8 @@ def gap_over_half_width(context: Context, dropped: Dropped, angle: float) -> flo
 def c42(context: Context, *, stiffness_error: Fraction) -> Numbers:
     """Greatest impulse of the moments possible in an impact over the impulse of friction.
 
-    Over all rebounds of the table; beside it what steady rolling would give and what no moment
-    exceeds, the greatest contact radius over the radius, which goes as the fifth root of the
-    stiffness, and the distance rolled over it.
+    Over all rebounds of the table; beside it what no moment exceeds, the greatest contact radius
+    over the radius, which goes as the fifth root of the stiffness, and the distance rolled over it.
     """
     table = context.table("rolling_dissipation")
     rows = table[table["captured"].astype(str) == "False"]
@@ -669,7 +664,6 @@ def c42(context: Context, *, stiffness_error: Fraction) -> Numbers:
     return {
         "largest_rolling_moment_over_friction_moment": largest[list(MOMENTS)].max(),
         "largest_contact_radius_over_radius": Estimate(arm, stiffness_error / 5.0 * arm),
-        "largest_moment_of_steady_rolling_over_friction_moment": largest["steady_over_friction"],
         "largest_bound_of_moment_over_friction_moment": largest["bound_over_friction"],
         "largest_distance_rolled_over_contact_radius": largest["rolled_over_contact_radius"],
     }

@@ -241,17 +241,17 @@ def _entries(node: object) -> Mapping[str, Any]:
 
 
 def _contradictions(
-    laboratory: Laboratory | None, params: Mapping[str, Any], rows: Iterable[Declared]
+    laboratory: Laboratory, params: Mapping[str, Any], rows: Iterable[Declared]
 ) -> Iterator[str]:
     """Yield a line for each input, allowed by itself, that contradicts another."""
-    yield from laboratory.disagreements() if laboratory else ()
+    yield from laboratory.disagreements()
     origins = {row.key: row.origin or row.key for row in rows}
     for name, settings in params.items():
         yield from _slips(settings, name, origins)
         disagreements = getattr(analyses.analysis(name), "disagreements", None)
         if settings and disagreements:
             others = {maker: params.get(maker) for maker in analyses.needs(name).values()}
-            yield from (f"{name}.{line}" for line in disagreements(settings, others))
+            yield from (f"{name}.{line}" for line in disagreements(settings, others, laboratory))
 
 
 def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:

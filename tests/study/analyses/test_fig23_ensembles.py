@@ -23,10 +23,10 @@ from study.analyses.fig23_monte_carlo.ensembles import (
     Plan,
     Process,
     RigidBody,
-    at_means,
     estimate,
     replicate_shares,
     replicate_sums,
+    smooth_at_means,
 )
 from study.analyses.fig23_monte_carlo.slope_inference import SlopeInference, infer_slope
 from study.declared.parameters import build, explain
@@ -222,12 +222,12 @@ def test_small_spreads_give_the_deterministic_rebound(ensemble, contact):
     for rules in (ARTICLE, replace(ARTICLE, facets="seen", most_contacts=3)):
         for angle in (10.0, 45.0, 90.0):
             drawn = ensemble(narrow, rules=rules, **slopes)
-            mean, exact = estimate(drawn, angle), estimate(at_means(drawn), angle)
+            mean, exact = estimate(drawn, angle), estimate(smooth_at_means(drawn), angle)
             assert mean.restitution == pytest.approx(exact.restitution, abs=1e-6)
             assert mean.impulse_ratio == pytest.approx(exact.impulse_ratio, abs=1e-6)
     e = float(simulate(contact, 1.66 * np.sin(np.radians(45.0))).coefficient_of_restitution)
     bare = rough_rebound(np.radians(45.0), 0.0, e, 0.15, 0.1)
-    exact = estimate(at_means(ensemble(narrow, **slopes)), 45.0)
+    exact = estimate(smooth_at_means(ensemble(narrow, **slopes)), 45.0)
     assert exact.restitution == pytest.approx(float(bare.measured_restitution), rel=1e-7)
     assert exact.impulse_ratio == pytest.approx(-float(bare.measured_impulse_ratio), rel=1e-6)
     assert exact.restitution_error == 0.0
@@ -248,7 +248,7 @@ def test_shares_of_events_add_up_and_rules_reject_what_they_say(ensemble):
     assert twice.accepted > strict.accepted
     assert lax.not_leaving == 0.0
     assert lax.restitution < strict.restitution
-    below_capture = estimate(at_means(ensemble()), 3.0)
+    below_capture = estimate(smooth_at_means(ensemble()), 3.0)
     assert np.isnan(below_capture.restitution)
     assert below_capture.captured == 1.0
 

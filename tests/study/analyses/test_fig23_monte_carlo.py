@@ -64,9 +64,19 @@ def test_declared_slopes_take_the_place_of_inferred_ones(run_study, calibration,
     slope = {"kind": "normal", "sd": float(sd)}
     declared = run_study("fig23_monte_carlo", calibration, plan=plan, process={"slope": slope})
     assert declared["slope_inference"].equals(tables["slope_inference"])
+    assert set(declared["fig23"]["evidence"]) == {"computed"}
+    assert "calibrated" in set(tables["fig23"]["evidence"])
     name = "variant == 'equal weights'"
     same, wider = (
         declared["monte_carlo"].query(f"variant {is_} 'equal weights'") for is_ in ("==", "!=")
     )
     assert same.equals(tables["monte_carlo"].query(name))
     assert wider["restitution"].iloc[0] > 1.2 * tables["monte_carlo"]["restitution"].iloc[21]
+
+
+def test_the_smooth_surface_is_smooth_whatever_the_slopes(run_study, calibration, tables):
+    slope = {"kind": "lognormal", "median": 0.1, "geometric_sd": 1.5}
+    plan = {"replicates": 2, "events": 64}
+    declared = run_study("fig23_monte_carlo", calibration, plan=plan, process={"slope": slope})
+    smooth, same = (each["fig23"].query("series == 'smooth'") for each in (tables, declared))
+    assert same["y_1"].to_numpy() == pytest.approx(smooth["y_1"].to_numpy(), rel=1e-12)

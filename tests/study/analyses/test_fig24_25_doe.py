@@ -10,6 +10,11 @@ from scipy.special import ndtri
 from microimpact.model.dynamics.capture import capture_velocity
 from study.analyses.fig24_25_doe.factors import LETTERS, at_levels
 from study.contacts import calibrated_contact
+from study.declared.parameters import build
+from study.analyses.sensitivity import compute as sensitivity
+from study.analyses.fig24_25_doe.factors import LETTERS, at_levels
+from study.analyses.claim_numbers import designs
+from study.contacts import calibrated_contact
 
 STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
 
@@ -92,6 +97,14 @@ def test_another_generator(run_study, calibration, sampling):
     table = found["doe_effects"]
     own = table[(table["variation"] == "uniform") & (table["response"] == "v_c by Eq. 34")]
     assert own["effect"].tolist() == ["A", "B", "C", "D", "E", "BC", "BE"]
+    # I = ABD = ACE = BCDE: the figure says which effects are one
+    drawn = found["fig24"]["series"].str.removeprefix("v_c: ")
+    assert {"A+BD+CE", "B+AD", "BC+DE", "BE+CD"} <= set(drawn)
+    fraction = table[(table["variation"] == "uniform") & (table["design"] == "fraction")]
+    effects = fraction[fraction["response"] == "v_c"].set_index("effect")
+    for word, mixed in {"A": "BD and CE", "BD": "A and CE"}.items():
+        with pytest.raises(ValueError, match=f"fig24_25_doe.generator: .* tell {word} from {mixed}"):
+            designs.effect(effects, word)
 
 
 # Sobol' indices
@@ -104,8 +117,7 @@ def levels(calibration, tables):
 
 @pytest.fixture(scope="module")
 def sobol(run_study, levels):
-    small = {"samples": 256, "calibrated_samples": 64, "resamples": 100}
-    return run_study("sensitivity", levels, **small)
+    return run_study("sensitivity", levels, samples=256, resamples=100)
 
 
 def test_logarithmic_indices_are_the_shares_of_squared_effects(sobol):
@@ -127,19 +139,19 @@ def share_of_all_but_the_radius(contact, levels, quantile, n=2048, blocks=16):
     return float(means.mean()), float(means.std(ddof=1) / np.sqrt(blocks))
 
 
-def test_the_weight_of_the_parameters_is_that_of_independent_draws(sobol, levels, settings):
-    keys = ["case", "variation", "kind", "input"]
-    groups = sobol["sensitivity_groups"].set_index(keys).sort_index()
+def test_what_the_radius_leaves_is_that_of_independent_draws(sobol, levels, settings):
+    keys = ["case", "variation", "response", "factor"]
+    indices = sobol["sensitivity_indices"].set_index(keys).sort_index()
     inputs = {**levels, "materials": pd.DataFrame(settings.tables.materials.rows)}
     by_case = levels["doe_levels"].query("variation == 'realistic'").groupby("case")
     quantile = settings.branches["sensitivity"]["level_quantile"]
     for case in STEEL:
         contact = calibrated_contact(inputs, case)
         truth, error = share_of_all_but_the_radius(contact, by_case.get_group(case), quantile)
-        found = groups.loc[case, "realistic", "group", "uncertainty"]
+        found = indices.loc[case, "realistic", "v_c", "C"]
         # an interval of 95 % is two standard errors to either side
-        sampling = np.hypot((found["total_high"] - found["total_low"]) / 4.0, error)
-        assert abs(found["total"] - truth) < 3.0 * sampling
+        sampling = np.hypot((found["first_high"] - found["first_low"]) / 4.0, error)
+        assert abs(1.0 - found["first"] - truth) < 3.0 * sampling
         assert truth - 4.0 * error > 0.2
 
 
@@ -156,14 +168,28 @@ def test_a_case_without_levels_is_named(run_study, levels):
     table = levels["doe_levels"]
     some = {**levels, "doe_levels": table[table["case"] != STEEL[1]]}
     with pytest.raises(ValueError, match="n = 1' has no levels"):
-        run_study("sensitivity", some, samples=32, calibrated_samples=32, resamples=20)
+        run_study("sensitivity", some, samples=32, resamples=20)
 
 
-@pytest.mark.parametrize(
-    ("name", "deviation"),
-    [("restitution_deviation", 0.3), ("capture_velocity_deviation_m_per_s", 0.2)],
-)
-def test_draws_outside_the_admissible_are_named(run_study, levels, name, deviation):
-    small = {"samples": 32, "calibrated_samples": 32, "resamples": 20}
-    with pytest.raises(ValueError, match=f"{name}: draws"):
-        run_study("sensitivity", levels, **small, **{name: deviation})
+def test_indices_of_a_sum_are_shares_of_its_variance(settings, levels):
+    params = build(sensitivity.Params, settings.branches["sensitivity"] | {"samples": 1024})
+    rows = levels["doe_levels"].query("variation == 'uniform' and case == @STEEL[0]")
+    points = sensitivity.sampled(params, "uniform", rows, np.random.default_rng(1))
+    low, high = (rows[f"{end}_multiple"].to_numpy() for end in ("low", "high"))
+    weights = np.arange(1.0, 6.0) / (high - low)
+    response = (points @ weights).reshape(1024, -1)
+    found = sensitivity.sobol_indices(params, response, np.random.default_rng(2))
+    shares = np.arange(1.0, 6.0) ** 2 / 55.0
+    for name in ("first", "total"):
+        assert found[name] == pytest.approx(shares, abs=0.01)
+        assert (found[f"{name}_low"] < shares).all()
+        assert (shares < found[f"{name}_high"]).all()
+
+
+@pytest.mark.parametrize("without", [np.nan, np.inf])
+def test_base_samples_without_a_capture_velocity_are_left_out(without):
+    response = np.arange(20.0).reshape(4, 5)
+    response[1, 2] = without
+    np.testing.assert_array_equal(sensitivity.kept(response), response[[0, 2, 3]])
+    with pytest.raises(ValueError, match="1 of 2 base samples"):
+        sensitivity.kept(response[:2])

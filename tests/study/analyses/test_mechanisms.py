@@ -100,6 +100,16 @@ def test_energy_loss_rises_towards_shallow_angles_only_where_spheres_roll(tables
     assert table["share_falling"].mean() > 0.9
 
 
+def test_spores_lose_more_where_their_restitution_is_lower(tables):
+    """Both slide at 40 deg: T_L = 1 - e^2 sin^2 - (cos - f (1 + e) sin)^2, f = 0.15."""
+    row, alpha = tables["loss_resolution"].iloc[0], np.radians(40.0)
+    e = np.array([0.70, 0.55])  # Steel, then spores
+    along = np.cos(alpha) - 0.15 * (1.0 + e) * np.sin(alpha)
+    loss = 1.0 - (e * np.sin(alpha)) ** 2 - along**2
+    assert row["difference_of_losses"] == pytest.approx(loss[1] - loss[0], rel=1e-9)
+    assert row["difference_of_restitutions"] == pytest.approx(0.15)
+
+
 def test_a_pile_does_not_need_capture_in_one_impact(piles):
     onsets = piles["pile_up_onsets"]
     half = onsets[(onsets["share"] == 0.5) & (onsets["slope_deg"] == 2.0)].set_index("contact")

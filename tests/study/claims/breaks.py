@@ -28,7 +28,7 @@ from study.analyses.fig24_25_doe.factors import realistic_levels
 from study.analyses.mechanisms import compute as mechanisms
 from study.analyses.mechanisms import spore as spore_mechanism
 from study.analyses.mechanisms.shallow import adhesion_or_roughness, shallow_curves
-from study.claims import dynamics, oblique, rigid_body, roughness
+from study.claims import designs, dynamics, oblique, rigid_body, roughness
 from study.contacts import DRAWN, calibrated_contact
 from study.declared.documents import load
 from study.declared.parameters import build
@@ -137,6 +137,16 @@ def reversed_spin(claim, world):
         return plain(contact, speed, -spin)
 
     return patched(claim, world, oblique, rolling_limit=reversed_limit)
+
+
+def effect_mixed_with_bd(claim, world):
+    """The effect of A for BD, which a quarter of the design with D = AB does not tell from it."""
+    plain = designs.effect
+
+    def mixed(effects, word):
+        return plain(effects, "A" if word == "BD" else word)
+
+    return patched(claim, world, designs, effect=mixed)
 
 
 def strong_spore(claim, world):
@@ -285,10 +295,11 @@ BREAKS = {
     "C33": partial(force_history, adhesion_damping=2.0),
     "C34": no_material_damping,
     "C39": printed_sign_of_eq_29,
-    "C42": partial(patched, where=dynamics, MOMENTS=("steady_over_friction",)),
+    "C42": partial(patched, where=dynamics, MOMENTS=("bound_over_friction",)),
     "C44": partial(minus_in_eq_35, where=roughness),
     "C53": partial(levels, factor="adhesion_dissipation", half=0.05),
     "C54": small_levels_of_damping,
+    "C55": effect_mixed_with_bd,
     "C56": partial(levels, factor="radius", half=0.0005),
     "C81": strong_spore,
     "C88": elastic_spore,

@@ -29,6 +29,15 @@ def test_no_word_is_of_the_old_pair(latex, name):
     assert not re.search("steel|silicon|molybdenum|SST", f"{spec.title} {spec.caption}")
 
 
+@pytest.mark.parametrize("name", [f"fig{number:02d}" for number in range(7, 13)])
+def test_figures_of_the_articles_pairs_keep_their_words(latex, name):
+    old, new = (
+        read_inputs(settings, inputs).figures[name]
+        for settings, inputs in ((settings_as_shipped(), {}), latex)
+    )
+    assert (new.title, new.caption) == (old.title, old.caption)
+
+
 @pytest.mark.parametrize("table", ["pairing_quality", "rolling_dissipation", "force_ratios"])
 def test_claims_of_these_analyses_are_not_of_this_experiment(latex, table):
     row = {"id": "C01", "inputs": table, "verdict": "reproduced", "note": ""}

@@ -1,7 +1,7 @@
 """Moments that oppose rolling: during an impact (Section 3.2.3), and on a captured sphere.
 
-The equations of motion leave out the moment M of the contact area (Fig. 13). Its parts are bounded
-and estimated here, a the contact radius, F the compressive force, f_0 the ring force. A moment is
+The equations of motion leave out the moment M of the contact area (Fig. 13). It is bounded and
+estimated here, a the contact radius, F the compressive force, f_0 the ring force. A moment is
 positive where it opposes the spin.
 """
 
@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, Real, checked
 from microimpact.core.constants import gravity
@@ -33,13 +32,11 @@ class RollingImpulses:
     ----------
     friction
         r times the impulse of friction, which spins the sphere up.
-    bound_deformation, bound_adhesion
+    bound
         What no pressure without tension, and no ring force between zero and its greatest, exceeds.
-    steady_deformation, steady_adhesion
-        As if it rolled steadily: hysteresis of deformation, and `peeling_moment`.
-    impact_deformation, impact_adhesion
-        Hysteresis of deformation, and of the whole ring force, only where and while one part of
-        the contact closes and another opens.
+    hysteresis
+        Of deformation and of the whole ring force, where and while one part of the contact closes
+        and another opens.
     damping
         From this model's own damping, applied at each point of the contact.
     rolled
@@ -49,12 +46,8 @@ class RollingImpulses:
     """
 
     friction: float
-    bound_deformation: float
-    bound_adhesion: float
-    steady_deformation: float
-    steady_adhesion: float
-    impact_deformation: float
-    impact_adhesion: float
+    bound: float
+    hysteresis: float
     damping: float
     rolled: float
     contact_radius: float
@@ -81,12 +74,7 @@ def opening_level(contact_radius: Real, separation_speed: Real, spin: Real) -> R
     return np.clip(level, -1.0, 1.0)
 
 
-def deformation_moment_bound(contact_radius: Real, force: Real) -> Real:
-    """Greatest moment of a pressure without tension, N m: ``a F``, all at the leading edge."""
-    return contact_radius * force
-
-
-def deformation_moment(contact_radius: Real, force: Real, loss: Real, level: Real = 0.0) -> Real:
+def deformation_moment(contact_radius: Real, force: Real, loss: Real, level: Real) -> Real:
     """Moment of hysteresis of deformation, N m: ``(3/16) loss a F (1 - h^2)^2``.
 
     Where the contact opens, Hertz's pressure is less by the share `loss`. On the part x > x_0 its
@@ -107,7 +95,7 @@ def deformation_moment(contact_radius: Real, force: Real, loss: Real, level: Rea
     return 3.0 / 16.0 * loss * contact_radius * force * np.square(1.0 - np.square(level))
 
 
-def adhesion_moment_bound(contact_radius: Real, ring_force: Real, level: Real = 0.0) -> Real:
+def adhesion_moment(contact_radius: Real, ring_force: Real, level: Real = 0.0) -> Real:
     """Greatest moment of a ring force that holds only where the contact opens, N m.
 
     ``2 f a^2 sqrt(1 - h^2)``: f a^2 times the integral of cos(theta) over the part of the edge that
@@ -126,85 +114,46 @@ def adhesion_moment_bound(contact_radius: Real, ring_force: Real, level: Real = 
     return 2.0 * ring_force * np.square(contact_radius) * np.sqrt(1.0 - np.square(level))
 
 
-def hertz_damping_moment(contact_radius: Real, force: Real, damping: Real, spin: Real) -> Real:
-    """Moment of the Hunt-Crossley damping of Eq. (19) where rolling adds to the rate, N m.
+def damping_moment(
+    contact: Contact, contact_radius: Real, force: Real, rate: Real, spin: Real, level: Real
+) -> Real:
+    """Moment of the damping of Eq. (19) where rolling adds to the rate, N m.
 
-    At a distance x ahead of the centre the compression grows faster by spin x, and the pressure p
-    by ``c_H spin x p``; its moment is ``c_H spin F a^2/5``, as x^2 averages a^2/5 over Hertz's
-    pressure.
+    At x ahead of the centre the compression grows faster by spin x and the pressure p by ``c_H spin
+    x p``, of moment ``c_H spin F a^2/5``, as x^2 averages a^2/5 over Hertz's pressure. A point of
+    the edge at theta from the trailing end opens at ``spin a (h + cos(theta))``; its ring force is
+    greater by c_A f_0 times that while positive, the moment ``c_A f_0 spin a^3 (arccos(-h) + h
+    sqrt(1 - h^2))``.
 
     Parameters
     ----------
+    contact
+        Contact with c_H and f_0.
     contact_radius
         Contact radius a, m.
     force
         Hertz force F, N.
-    damping
-        c_H, s/m.
-    spin
-        Spin, rad/s.
-    """
-    return 0.2 * damping * spin * force * np.square(contact_radius)
-
-
-def adhesion_damping_moment(
-    contact_radius: Real, ring_force: Real, damping: Real, spin: Real, level: Real = 0.0
-) -> Real:
-    """Moment of the adhesion damping of Eq. (19) where rolling adds to the rate, N m.
-
-    A point of the edge at theta from the trailing end opens at ``spin a (h + cos(theta))``
-    (`opening_level`); its ring force is greater by c_A f_0 times that while positive. The moment is
-    ``c_A f_0 spin a^3 (arccos(-h) + h sqrt(1 - h^2))``.
-
-    Parameters
-    ----------
-    contact_radius
-        Contact radius a, m.
-    ring_force
-        f_0, N/m.
-    damping
-        c_A, s/m.
+    rate
+        c_A at the speed of the impact, s/m.
     spin
         Spin, rad/s.
     level
         h of `opening_level`.
     """
+    bulk = 0.2 * contact.hertz_damping * force * np.square(contact_radius)
     share = np.arccos(-level) + level * np.sqrt(1.0 - np.square(level))
-    return damping * ring_force * spin * np.power(contact_radius, 3) * share
-
-
-def peeling_moment(contact: Contact, shift: Real, contact_radius: Real | None = None) -> Real:
-    """Moment of adhesion that a rolling sphere has to overcome, N m.
-
-    ``4 F_c (a/a_0)^(3/2) shift`` with JKR's pull-off force F_c = 3/2 pi w_A r and radius at no
-    load, ``a_0^3 = 6 pi w_A r^2/K``: that is ``(6 pi w_A K)^(1/2) a^(3/2) shift``, and 6 pi w_A r
-    shift at a_0.
-
-    Parameters
-    ----------
-    contact
-        Contact with a work of adhesion.
-    shift
-        How far the contact area lags before its edge moves on, m (Dominik and Tielens 1995).
-    contact_radius
-        Contact radius a, m; a_0 if None.
-    """
-    six_pi_work = 6.0 * math.pi * np.asarray(contact.work_of_adhesion)
-    if contact_radius is None:
-        return (six_pi_work * contact.hertz_radius * shift)[()]
-    stretch = np.sqrt(six_pi_work * contact.hertz_stiffness) * np.power(contact_radius, 1.5)
-    return (stretch * shift)[()]
+    edge = rate * np.asarray(contact.ring_force) * np.power(contact_radius, 3) * share
+    return (bulk + edge) * spin
 
 
 def rolling_impulses(
-    contact: Contact, speed: float, angle: float, shift: float, points: int = 400
+    contact: Contact, speed: float, angle: float, points: int = 400
 ) -> RollingImpulses:
-    """Integrate bounds and estimates of the neglected moments over one impact without spin.
+    """Integrate the bound and estimates of the neglected moment over one impact without spin.
 
-    The bounds allow pressures without tension that sum to the compressive force, and a ring force
+    The bound allows pressures without tension that sum to the compressive force, and a ring force
     between zero and what it is at the trailing end, ``f_0 (1 + c_A (u + spin a))``. Hysteresis is
-    given all that the impact loses, 1 - e^2. The peeling moment grows with the distance rolled up
-    to the shift.
+    given all that the impact loses, 1 - e^2.
 
     Parameters
     ----------
@@ -212,8 +161,6 @@ def rolling_impulses(
         One contact (no arrays).
     speed, angle
         Speed before impact, m/s, and angle of incidence from the surface, degrees.
-    shift
-        Of `peeling_moment`, m.
     points
         Times at which the impact is sampled.
 
@@ -222,7 +169,6 @@ def rolling_impulses(
     ValueError
         If the sphere is captured, or an argument is not admissible.
     """
-    shift = float(checked("shift", shift, NON_NEGATIVE))
     path = trajectory(contact, speed, angle, points=points)
     if path.captured:
         raise ValueError(f"no rebound at speed {speed:g} m/s and angle {angle:g} deg")
@@ -243,23 +189,14 @@ def rolling_impulses(
     level = opening_level(a, velocity, spin)
     trailing = ring_force * (1.0 + c_a * np.maximum(velocity + spin * a, 0.0))
     loss = 1.0 - (path.velocity[-1] / path.velocity[0]) ** 2
-    rolled = scipy.integrate.cumulative_trapezoid(radius * spin, time, initial=0)
-    damping = hertz_damping_moment(a, hertz, contact.hertz_damping, spin)
-    damping = damping + adhesion_damping_moment(a, ring_force, c_a, spin, level)
-
-    def impulse(moment: Real) -> float:
-        return float(np.trapezoid(moment, time))
-
+    pressed = np.maximum(hertz + damped, 0.0)
+    hysteresis = deformation_moment(a, hertz, loss, level) + adhesion_moment(a, trailing, level)
     return RollingImpulses(
         friction=radius * float(contact.mass) * float(np.ptp(path.tangential_velocity)),
-        bound_deformation=impulse(deformation_moment_bound(a, np.maximum(hertz + damped, 0.0))),
-        bound_adhesion=impulse(adhesion_moment_bound(a, trailing)),
-        steady_deformation=impulse(deformation_moment(a, hertz, loss)),
-        steady_adhesion=impulse(peeling_moment(contact, np.minimum(rolled, shift), a)),
-        impact_deformation=impulse(deformation_moment(a, hertz, loss, level)),
-        impact_adhesion=impulse(adhesion_moment_bound(a, trailing, level)),
-        damping=impulse(damping),
-        rolled=float(rolled[-1]),
+        bound=float(np.trapezoid(a * pressed + adhesion_moment(a, trailing), time)),
+        hysteresis=float(np.trapezoid(hysteresis, time)),
+        damping=float(np.trapezoid(damping_moment(contact, a, hertz, c_a, spin, level), time)),
+        rolled=float(np.trapezoid(radius * spin, time)),
         contact_radius=float(np.max(a)),
     )
 
@@ -273,6 +210,21 @@ def _times(path: Trajectory, hertz_radius: float) -> FloatArray:
     edge = np.max(path.spin) * np.sqrt(hertz_radius * np.max(path.compression))
     window = rest + edge / rate * np.linspace(-1.5, 1.5, NEAR_REST)
     return np.union1d(path.time, np.clip(window, 0.0, path.time[-1]))
+
+
+def peeling_moment(contact: Contact, shift: Real) -> Real:
+    """Moment of adhesion that a rolling sphere has to overcome, N m: ``6 pi w_A r shift``.
+
+    That is ``4 F_c shift`` with JKR's pull-off force F_c = 3/2 pi w_A r.
+
+    Parameters
+    ----------
+    contact
+        Contact with a work of adhesion.
+    shift
+        How far the contact area lags before its edge moves on, m (Dominik and Tielens 1995).
+    """
+    return 6.0 * math.pi * np.asarray(contact.work_of_adhesion) * contact.hertz_radius * shift
 
 
 def rolling_distance(

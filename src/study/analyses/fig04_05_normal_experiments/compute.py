@@ -26,10 +26,13 @@ from study.declared.parameters import (
     CaseName,
     ExperimentSeed,
     Fraction,
+    MaterialName,
     Name,
     Points,
     Positive,
 )
+from study.contacts import calibrated_contact, pair_of, printed_beside
+from study.laboratory import Laboratory
 from study.tables import Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",)}
@@ -51,6 +54,7 @@ SIZES = 200
 class Population:
     """Particles of one sieve class."""
 
+    particle: MaterialName
     diameter_um: Distribution
 
 
@@ -68,6 +72,13 @@ class Params:
     dispenser: Dispenser
     instrument: Analyser
     points: Points
+
+
+def disagreements(params: Params, _: Mapping[str, Any], laboratory: Laboratory) -> Iterator[str]:
+    """Yield a line for each class of particles that are not those of the contact."""
+    for name, population in params.populations.items():
+        key = f"populations.{name}.particle"
+        yield from laboratory.other_particle(key, population.particle, params.case)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -27,7 +27,6 @@ from study.declared.parameters import (
     AngleDegrees,
     Count,
     ExperimentSeed,
-    Fraction,
     Must,
     Name,
     ObliqueDegrees,
@@ -78,12 +77,14 @@ def smooth_curves(
     return {name: (angle[rebound], of[rebound]) for name, of in quantities(impact).items()}
 
 
-def coulomb_curve(
-    series: Series, contact: Contact, angle: FloatArray, restitution: float
-) -> FloatArray:
-    """Return the impulse ratio of the rigid body model with Coulomb friction and no spin."""
+def coulomb_curve(series: Series, contact: Contact, angle: FloatArray) -> FloatArray:
+    """Return the impulse ratio of the rigid body model with Coulomb friction and no spin.
+
+    Its restitution is that of a smooth sphere of the mean size at normal incidence.
+    """
+    e = simulate(contact, series.speed_m_per_s).coefficient_of_restitution
     v_n, v_t = velocity_components(series.speed_m_per_s, angle)
-    rigid = rigid_body_rebound(v_n, v_t, 0.0, contact.radius, restitution, series.friction)
+    rigid = rigid_body_rebound(v_n, v_t, 0.0, contact.radius, e, series.friction)
     return np.asarray(0.0 - rigid.mu)
 
 
@@ -109,7 +110,6 @@ class Params:
     series: dict[Name, Series]
     dispenser: Dispenser
     instrument: ImagingSystem
-    coulomb_restitution: Fraction
     points: Points
     unselected: Count
     compared_with_all: tuple[Name, ...]
@@ -279,5 +279,5 @@ def _curves(params: Params, figure: str, contacts: Mapping[str, Contact]) -> Ite
             yield _frame(panel, f"{name}, smooth", *curves[panel])
     if "impulse_ratio" in FIGURES[figure]:
         name, series = next(iter(shown.items()))
-        curve = coulomb_curve(series, contacts[name], angle, params.coulomb_restitution)
+        curve = coulomb_curve(series, contacts[name], angle)
         yield _frame("impulse_ratio", "Coulomb friction", angle, curve)

@@ -139,9 +139,11 @@ def experiments(params: Params, table: pd.DataFrame) -> pd.DataFrame:
     same = smooth & (table["case"] == params.case) & (params.spin_rad_per_s == 0.0)
     for name in ("diameter_um", "speed_m_per_s", "friction"):
         same &= np.isclose(table[name], getattr(params, name), rtol=DIGITS)
+    # One experiment stands in every series that it belongs to.
+    once = table[same].drop_duplicates("angle_deg")
     frames = []
     for panel, quantity in QUANTITIES.items():
-        rows = table[same].dropna(subset=quantity)
+        rows = once.dropna(subset=quantity)
         ends = rows[f"{quantity}_low"], rows[f"{quantity}_high"]
         at = rows["angle_deg"], rows[quantity]
         frames.append(_frame(panel, "virtual experiment", *at, "virtual experiment", *ends))

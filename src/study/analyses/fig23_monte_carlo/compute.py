@@ -20,8 +20,8 @@ from study.analyses.fig23_monte_carlo.ensembles import (
     Plan,
     Process,
     RigidBody,
-    at_means,
     estimate,
+    smooth_at_means,
 )
 from study.analyses.fig23_monte_carlo.slope_inference import SlopeInference, infer_slope
 from study.contacts import calibrated_contact
@@ -36,7 +36,7 @@ SHARES = ("accepted", "facing_away", "captured", "not_leaving")
 ESTIMATES, INFERENCE = 0, 3
 # Half-width of the drawn band, in standard errors.
 BAND = 2.0
-# The slope is inferred from a restitution.
+# What slopes inferred from a restitution are fitted to.
 FITTED = ("relative_restitution",)
 
 
@@ -99,7 +99,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     inferences = {name: _inferred(params, surfaces[name]) for name in surfaces}
     rough = {name: _rough(params, name, surfaces[name], inferences[name]) for name in params.drawn}
     estimates = inputs["parts"] if "parts" in inputs else _estimates(params, rough, 0, 1)
-    base = at_means(rough[params.drawn[0]])
+    base = smooth_at_means(rough[params.drawn[0]])
     means = _means(params, estimates, base)
     return {
         "fig23": figure_data(params, means, base),
@@ -210,6 +210,7 @@ def figure_data(params: Params, means: pd.DataFrame, base: Ensemble) -> pd.DataF
     base
         The smooth surface.
     """
+    fitted = FITTED if params.process.slope is None else ()
     angles = np.linspace(90.0 / params.points, 90.0, params.points)
     smooth = pd.DataFrame([estimate(base, float(angle)) for angle in angles])
     bare = estimate(base, params.reference_angle_deg).restitution
@@ -229,6 +230,6 @@ def figure_data(params: Params, means: pd.DataFrame, base: Ensemble) -> pd.DataF
             bands = {str(variant): BAND * rows[f"{column}_error"].to_numpy()}
             if variant == params.drawn[0]:
                 bands["measured means"] = spread * rows[f"{panel}_sd"].to_numpy()
-            curve = rows["angle_deg"], y, result_evidence(column, FITTED)
+            curve = rows["angle_deg"], y, result_evidence(column, fitted)
             frames += [frame(panel, k, *curve, y - half, y + half) for k, half in bands.items()]
     return pd.concat(frames, ignore_index=True)

@@ -144,15 +144,15 @@ class Ensemble:
     restitution_shift: float = 0.0  # Added to e of the smooth surface, within [0, 1]
 
 
-def at_means(ensemble: Ensemble) -> Ensemble:
-    """Return the ensemble with every parameter at its mean: all events are one."""
+def smooth_at_means(ensemble: Ensemble) -> Ensemble:
+    """Return the ensemble on a smooth surface, all else at its mean: all events are one."""
     process = replace(
         ensemble.process,
         speed_m_per_s=Constant(at=mean(ensemble.process.speed_m_per_s)),
         diameter_um=Constant(at=mean(ensemble.process.diameter_um)),
     )
-    slope = Constant(at=mean(ensemble.slope))
-    return replace(ensemble, process=process, slope=slope, plan=Plan(replicates=2, events=2))
+    plan = Plan(replicates=2, events=2)
+    return replace(ensemble, process=process, slope=Constant(at=0.0), plan=plan)
 
 
 class Estimate(NamedTuple):

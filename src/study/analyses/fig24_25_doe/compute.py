@@ -53,6 +53,8 @@ PRINTED_VALUES = ("doe_small_variation",)
 ANALYSIS = 24
 # Measurements begin above capture; they end as for Fig. 16, in capture velocities of the run.
 FITTED = (1.1, 15.0)
+# Letters of an interaction of two factors: effects of more are taken to be small.
+PAIR = 2
 FIGURES = {"realistic": "fig24", "uniform": "fig25"}
 
 _frame = partial(series_frame, x_unit="percent", y_unit="1")
@@ -279,6 +281,12 @@ def _signed(words: Mapping[str, int], between: str = " ") -> str:
     return between.join(("-" if sign < 0 else "") + word for word, sign in words.items())
 
 
+def _inseparable(effect: str, aliases: str) -> str:
+    """Return an effect and the factors and pairs of factors whose effects are in it, too."""
+    short = (word for word in aliases.split() if len(word.lstrip("-")) <= PAIR)
+    return effect + "".join(word if word.startswith("-") else f"+{word}" for word in short)
+
+
 def effect_table(each: DesignedExperiment) -> pd.DataFrame:
     """Return the effects of each response over the fraction, and of exact ones over all runs.
 
@@ -374,9 +382,9 @@ def figure_frame(each: DesignedExperiment, table: pd.DataFrame) -> pd.DataFrame:
             ("normal", "normal_quantile", rows["effect_percent"]),
             ("half_normal", "half_normal_quantile", rows["effect_percent"].abs()),
         ):
-            for word, size, quantile in zip(rows["effect"], x, rows[column], strict=True):
-                series = f"{response}: {word}"
-                frames.append(_frame(panel, series, [size], [quantile]))
+            words = map(_inseparable, rows["effect"], rows["aliases"])
+            for word, size, quantile in zip(words, x, rows[column], strict=True):
+                frames.append(_frame(panel, f"{response}: {word}", [size], [quantile]))
             for name in ("margin", "simultaneous margin"):
                 margin = rows[f"{name.replace(' ', '_')}_percent"].iloc[0]
                 ends = [-margin, margin] if panel == "normal" else [margin]

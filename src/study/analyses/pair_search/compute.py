@@ -7,11 +7,11 @@ the identification of pairs, and what does the constant correction do to restitu
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
@@ -32,6 +32,9 @@ from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.intervals import ERROR_BAR, mean_and_error, wilson_interval
 from study.contacts import calibrated_contact
 from study.declared.parameters import CaseName, Count, Points, Positive
+from study.declared.parameters import CaseName, Count, MaterialName, Points, Positive
+from study.contacts import calibrated_contact
+from study.laboratory import Laboratory
 from study.tables import Row, Tables, series_frame
 
 # Particles released, at most, for each that is to fall through the probe volume; so many of these
@@ -296,6 +299,7 @@ class Params:
 
     seed: Annotated[int, Field(ge=0)]
     case: CaseName
+    particle: MaterialName
     diameter_um: Distribution
     dispenser: Dispenser
     instrument: Analyser
@@ -304,6 +308,11 @@ class Params:
     experiments: Annotated[int, Field(ge=2)]
     particles: Count
     correction: Correction
+
+
+def disagreements(params: Params, _: Mapping[str, Any], laboratory: Laboratory) -> Iterator[str]:
+    """Yield a line if the particles are not those of the contact."""
+    yield from laboratory.other_particle("particle", params.particle, params.case)
 
 
 def run(params: Params, inputs: Tables) -> Tables:

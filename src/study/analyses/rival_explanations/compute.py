@@ -93,7 +93,7 @@ PILES = {
 }
 
 
-def disagreements(params: Params, others: Mapping[str, Any]) -> Iterator[str]:
+def disagreements(params: Params, others: Mapping[str, Any], _: object = None) -> Iterator[str]:
     """Yield a line for each number asked of piles that is not computed.
 
     Parameters

@@ -1,8 +1,8 @@
 """Moments of rolling that the models neglect, against the moment of friction (Section 3.2.3).
 
-The article neglects them because the contact radius is small. Three grades are compared: what no
-distribution of forces in the contact can exceed, what steady rolling would give, and what can arise
-in an impact, during which the sphere rolls through a small part of its own contact radius.
+The article neglects them because the contact radius is small. Compared are what no distribution of
+forces in the contact can exceed, and what can arise in an impact, during which the sphere rolls
+through a small part of its own contact radius: from hysteresis, and from the model's damping.
 """
 
 from __future__ import annotations
@@ -35,14 +35,8 @@ NEEDS = {"calibration": ("calibration",)}
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
 
-# Grades of the neglected moment, and the parts that add up to each.
-GRADES = {
-    "bound": ("bound_deformation", "bound_adhesion"),
-    "steady": ("steady_deformation", "steady_adhesion"),
-    "impact": ("impact_deformation", "impact_adhesion"),
-    "damping": ("damping",),
-}
-PARTS = tuple(part for parts in GRADES.values() for part in parts)
+# Grades of the neglected moment, and the impulse of each.
+GRADES = {"bound": "bound", "impact": "hysteresis", "damping": "damping"}
 
 # Curves begin so much above the normal speed of capture.
 ABOVE_CAPTURE = 1e-3
@@ -60,7 +54,6 @@ class Params:
     speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)]
     # No friction is left at 90 degrees.
     angles_deg: Annotated[tuple[ObliqueDegrees, ...], Field(min_length=2), Ascending]
-    rolling_shift_nm: Positive
     negligible: Annotated[Fraction, Field(gt=0)]
     drawn_diameter_um: Positive
     drawn_speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)]
@@ -71,7 +64,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     """Compare the neglected moments with the moment of friction.
 
     ``rolling_dissipation``: per case, diameter, speed and angle the impulse of each moment over
-    that of friction, and their sums by grade; empty where the sphere is captured.
+    that of friction; empty where the sphere is captured.
     ``rolling``: data of the figure.
     """
     rows: list[Row] = []
@@ -80,7 +73,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         start = {"case": case, "diameter_um": diameter, "speed_m_per_s": speed}
         rebounds = _rebounding(contact, speed, np.array(params.angles_deg))
         for angle in params.angles_deg:
-            moments = _moments(params, contact, speed, angle) if angle in rebounds else None
+            moments = rolling_impulses(contact, speed, angle) if angle in rebounds else None
             rows.append({**start, "angle_deg": angle, **_row(contact, speed, moments)})
     return {
         "rolling_dissipation": pd.DataFrame(rows).assign(evidence="computed"),
@@ -88,14 +81,9 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
 
 
-def ratio(moments: RollingImpulses, grade: str) -> float:
-    """Return the sum of a grade over the moment of friction."""
-    total = sum(getattr(moments, part) for part in GRADES[grade])
-    return float(total / moments.friction)
-
-
-def _moments(params: Params, contact: Contact, speed: float, angle: float) -> RollingImpulses:
-    return rolling_impulses(contact, speed, angle, params.rolling_shift_nm * 1e-9)
+def _ratios(moments: RollingImpulses) -> dict[str, float]:
+    """Return the impulse of every grade over the impulse of friction."""
+    return {grade: getattr(moments, name) / moments.friction for grade, name in GRADES.items()}
 
 
 def _rebounding(contact: Contact, speed: float, angles: FloatArray) -> FloatArray:
@@ -114,8 +102,7 @@ def _row(contact: Contact, speed: float, moments: RollingImpulses | None) -> Row
         "contact_radius_over_r": moments.contact_radius / float(contact.radius),
         "rolled_nm": moments.rolled * 1e9,
         "rolled_over_contact_radius": moments.rolled / moments.contact_radius,
-        **{part: getattr(moments, part) / moments.friction for part in PARTS},
-        **{f"{grade}_over_friction": ratio(moments, grade) for grade in GRADES},
+        **{f"{grade}_over_friction": ratio for grade, ratio in _ratios(moments).items()},
     }
 
 
@@ -126,10 +113,10 @@ def curves(params: Params, inputs: Tables) -> pd.DataFrame:
     for case, speed in product(params.cases, params.drawn_speeds_m_per_s):
         contact = resized(calibrated_contact(inputs, case), params.drawn_diameter_um * 1e-6)
         rebounding = _rebounding(contact, speed, angles)
-        moments = [_moments(params, contact, speed, angle) for angle in rebounding.tolist()]
-        for grade in GRADES:
-            ratios = np.array([ratio(c, grade) for c in moments])
-            frames.append(_frame(grade, f"{case}, {speed:g} m/s", rebounding, ratios))
+        impacts = [rolling_impulses(contact, speed, angle) for angle in rebounding.tolist()]
+        ratios = pd.DataFrame([_ratios(moments) for moments in impacts], columns=list(GRADES))
+        for grade, y in ratios.items():
+            frames.append(_frame(str(grade), f"{case}, {speed:g} m/s", rebounding, y))
     ends = np.array(params.angles_deg)[[0, -1]]
     frames += [_frame(grade, "negligible", ends, np.full(2, params.negligible)) for grade in GRADES]
     return pd.concat(frames, ignore_index=True)
