@@ -63,6 +63,15 @@ class Series:
     side: Literal["above", "below", "right"] = "above"
 
 
+# Laws of contact of steel on silicon: bands of posterior contacts, then the single contacts.
+STEEL_LAWS = {
+    "ring force, n free": Series("ring force, $n$ from 0 to 2", 0),
+    "ring force, n = 0": Series("ring force, $n$ = 0", 2, line="dashed"),
+    "JKR, viscous": Series("JKR, viscous", 1, line="dashdot"),
+    "steel-silicon, n = 0": Series("two stages, $n$ = 0", 6, line="dotted"),
+    "steel-silicon, n = 1": Series("two stages, $n$ = 1", 6, line="loose dashed"),
+}
+
 Draw = Callable[["Sheet"], None]
 # Fields whose texts take parameters of the analysis.
 TEXTS = ("title", "finding", "caption", "method", "panels", "tables", "evidence_labels")
