@@ -31,7 +31,7 @@ from study.figures.declaration import Figure as Words
 from study.figures.declaration import Series
 from study.tables import POINTS, Tables, points_parts
 
-# Kinds of lines by their names in the registry: as many as a panel has curves.
+# Kinds of lines by name: as many as a panel has curves.
 LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
     "solid": "solid",
     "dashed": "dashed",

@@ -9,24 +9,17 @@ from study.figures.declaration import CAPTURE_VELOCITY, STEEL_LAWS, TWO_STAGES, 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
 
-# Two laws: words, colour, and lines of speeds from 1.2 and from 2 capture velocities upwards.
-COMPARED: dict[str, tuple[str, int, tuple[Line, Line]]] = {
-    "ring force, n free against ring force, n = 0": (
-        "$n$ free against $n$ = 0",
-        0,
-        ("solid", "dashed"),
-    ),
-    "ring force, n free against JKR, viscous": (
-        "$n$ free against JKR",
-        1,
-        ("dashdot", "dotted"),
-    ),
-    "ring force, n = 0 against JKR, viscous": (
-        "$n$ = 0 against JKR",
-        2,
-        ("long dashed", "loose dashed"),
-    ),
+# Two laws: words and colour; lines of speeds from 1.2 and from 2 capture velocities upwards.
+COMPARED: dict[str, tuple[str, int]] = {
+    "ring force, n free against ring force, n = 0": ("$n$ free against $n$ = 0", 0),
+    "ring force, n free against JKR, viscous": ("$n$ free against JKR", 1),
+    "ring force, n = 0 against JKR, viscous": ("$n$ = 0 against JKR", 2),
 }
+LINES: tuple[tuple[Line, Line], ...] = (
+    ("solid", "dashed"),
+    ("dashdot", "dotted"),
+    ("long dashed", "loose dashed"),
+)
 
 
 @Figure(
@@ -76,8 +69,8 @@ def draw_capture_by_size(sheet: Sheet) -> None:
     sheet.draw(size, STEEL_LAWS | published)
     rebounds = {
         f"{laws}, from {lowest} v_c": Series(f"{words}, from {lowest} $v_c$", colour, line=line)
-        for laws, (words, colour, lines) in COMPARED.items()
-        for lowest, line in zip(("1.2", "2"), lines, strict=True)
+        for laws, (words, colour) in COMPARED.items()
+        for lowest, line in zip(("1.2", "2"), LINES[colour], strict=True)
     }
     sheet.draw(impacts, rebounds)
     sheet.keys()
