@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, Figure, Series
@@ -57,6 +58,24 @@ STEEL = {
 }
 
 
+def draw_fits(
+    sheet: Sheet,
+    series: Mapping[str, Series],
+    speeds: tuple[float, float],
+    near_capture: tuple[float, float],
+    ticks: tuple[float, ...],
+) -> None:
+    """Draw restitution at all speeds, and near capture with ticks of its own."""
+    restitution, capture = sheet.panels(xscale="log", xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
+    restitution.set(xlim=speeds, ylim=(0.0, 1.0))
+    capture.set(xlim=near_capture, ylim=(0.0, 0.5))
+    sheet.ticks(restitution.xaxis, (1, 2, 5), decades=True)
+    sheet.ticks(capture.xaxis, ticks)
+    for ax in (restitution, capture):
+        sheet.draw(ax, series, fixed=True)
+    sheet.keys()
+
+
 @Figure(
     "fig15",
     "Restitution of several pairs near capture, and fits of the empirical equations",
@@ -91,15 +110,9 @@ STEEL = {
     height_mm=95.0,
 )
 def draw_fig15(sheet: Sheet) -> None:
-    """Three pairs of others."""
-    restitution, capture = sheet.panels(xscale="log", xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
-    restitution.set(xlim=(0.6, 30.0), ylim=(0.0, 1.0))
-    capture.set(xlim=(0.85, 2.2), ylim=(0.0, 0.5))
-    sheet.ticks(restitution.xaxis, (1, 2, 5), decades=True)
-    sheet.ticks(capture.xaxis, (0.9, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0))
-    for ax in (restitution, capture):
-        sheet.draw(ax, PAIRS, fixed=True)
-    sheet.keys()
+    """Pairs that others measured."""
+    ticks = 0.9, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0
+    draw_fits(sheet, PAIRS, (0.6, 30.0), (0.85, 2.2), ticks)
 
 
 @Figure(
@@ -133,12 +146,5 @@ def draw_fig15(sheet: Sheet) -> None:
     contact=TWO_STAGES,
 )
 def draw_fig16(sheet: Sheet) -> None:
-    """Steel on silicon, for two laws of the adhesion damping."""
-    restitution, capture = sheet.panels(xscale="log", xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
-    restitution.set(xlim=(0.12, 3.0), ylim=(0.0, 1.0))
-    capture.set(xlim=(0.16, 0.24), ylim=(0.0, 0.5))
-    sheet.ticks(restitution.xaxis, (1, 2, 5), decades=True)
-    sheet.ticks(capture.xaxis, (0.16, 0.18, 0.2, 0.22, 0.24))
-    for ax in (restitution, capture):
-        sheet.draw(ax, STEEL, fixed=True)
-    sheet.keys()
+    """Steel on silicon, by the rate exponent of the adhesion damping."""
+    draw_fits(sheet, STEEL, (0.12, 3.0), (0.16, 0.24), (0.16, 0.18, 0.2, 0.22, 0.24))

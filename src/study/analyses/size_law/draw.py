@@ -69,8 +69,8 @@ def draw_capture_by_size(sheet: Sheet) -> None:
     sheet.draw(size, STEEL_LAWS | published)
     rebounds = {
         f"{laws}, from {lowest} v_c": Series(f"{words}, from {lowest} $v_c$", colour, line=line)
-        for laws, (words, colour) in COMPARED.items()
-        for lowest, line in zip(("1.2", "2"), LINES[colour], strict=True)
+        for (laws, (words, colour)), lines in zip(COMPARED.items(), LINES, strict=True)
+        for lowest, line in zip(("1.2", "2"), lines, strict=True)
     }
     sheet.draw(impacts, rebounds)
     sheet.keys()
