@@ -322,7 +322,8 @@ class Sheet:
     def legend(self, ax: Axes, loc: str, title: str = "") -> None:
         """Name the lines and marks of one panel inside it."""
         named = _entries([ax])
-        ax.legend(named.values(), named.keys(), title=self.fill(title), loc=loc)
+        look: dict[str, Any] = {"title": self.fill(title), "loc": loc}
+        ax.legend(named.values(), named.keys(), **look)
 
     def captured(self, ax: Axes, series: str) -> None:
         """Shade a panel from zero to the last abscissa of a series: the sphere does not rebound."""

@@ -114,7 +114,7 @@ def draw_fig21(sheet: Sheet) -> None:
     rows = sheet.tables["fig21"]
     angle, total = rows[rows["series"] == "total"].iloc[:, 3:5].to_numpy(float).T
     moved = rows.loc[rows["series"] == "translational"].iloc[:, 4]
-    spin = {"label": "energy of the final spin", "color": "0.85", "linewidth": 0, "zorder": 0}
-    ax.fill_between(angle, total, moved, **spin)
+    spin = "energy of the final spin"
+    ax.fill_between(angle, total, moved, label=spin, color="0.85", linewidth=0, zorder=0)
     sheet.legend(ax, "lower right")
     sheet.keys()

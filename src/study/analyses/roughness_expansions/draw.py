@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from study.figures.declaration import OVER_ANGLE, Figure, Series
 
@@ -77,10 +77,10 @@ def draw_roughness(sheet: Sheet) -> None:
     for ax in axes:
         for form, (words, height, colour) in BARS.items():
             ends = sheet.take(ax, f"range {form}").iloc[:, 3]
-            look = {"color": f"C{colour}", "marker": "|", "linestyle": "solid", "clip_on": False}
             if len(ends):
-                across = ax.get_xaxis_transform()
                 label = f"holds to the tolerance, {words}"
-                ax.plot(ends, [height] * len(ends), transform=across, label=label, **look)
+                look: dict[str, Any] = {"color": f"C{colour}", "label": label, "clip_on": False}
+                across = ax.get_xaxis_transform()
+                ax.plot(ends, [height] * len(ends), "|-", transform=across, **look)
         sheet.draw(ax, FORMS, fixed=ax in restitution)
     sheet.keys()
