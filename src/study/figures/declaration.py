@@ -29,13 +29,13 @@ NORMAL_SPEED = "Normal impact speed $|v_n|$ (m/s)"
 NOMINAL_SPEED = "Nominal impact speed (m/s)"
 CAPTURE_VELOCITY = "Capture velocity $v_c$ (m/s)"
 WORK_OF_ADHESION = "Work of adhesion $w_A$ (J/m$^2$)"
-MEASURED_RESTITUTION = "Measured restitution $e_m$"
-MEASURED_IMPULSE_RATIO = r"Measured impulse ratio $-\mu_m$"
-MEAN_MEASURED_RESTITUTION = "Mean measured restitution $e_m$"
-MEAN_IMPULSE_RATIO = r"Mean impulse ratio $-\mu$"
 
-# The series of both ends of the speeds at which particles piled up.
-PILE_UP = "printed pile-up"
+# The angle of incidence, from the surface, as abscissa of a panel.
+OVER_ANGLE: dict[str, Any] = {
+    "xlim": (0.0, 90.0),
+    "xlabel": ANGLE,
+    "xticks": (0, 15, 30, 45, 60, 75, 90),
+}
 
 # The origin of the single contacts of steel on silicon, said under many figures.
 TWO_STAGES = (
@@ -63,7 +63,14 @@ class Series:
     side: Literal["above", "below", "right"] = "above"
 
 
-NO_SERIES: Mapping[str, Series] = {}
+# Laws of contact of steel on silicon: bands of posterior contacts, then the single contacts.
+STEEL_LAWS = {
+    "ring force, n free": Series("ring force, $n$ from 0 to 2", 0),
+    "ring force, n = 0": Series("ring force, $n$ = 0", 2, line="dashed"),
+    "JKR, viscous": Series("JKR, viscous", 1, line="dashdot"),
+    "steel-silicon, n = 0": Series("two stages, $n$ = 0", 6, line="dotted"),
+    "steel-silicon, n = 1": Series("two stages, $n$ = 1", 6, line="loose dashed"),
+}
 
 Draw = Callable[["Sheet"], None]
 # Fields whose texts take parameters of the analysis.

@@ -27,11 +27,11 @@ from numpy.typing import NDArray
 
 from microimpact.core.files import write_file
 from study.declared.documents import filled
-from study.figures.declaration import ANGLE, NO_SERIES, PILE_UP, Series
 from study.figures.declaration import Figure as Words
+from study.figures.declaration import Series
 from study.tables import POINTS, Tables, points_parts
 
-# Kinds of lines by their names in the registry: as many as a panel has curves.
+# Kinds of lines by name: as many as a panel has curves.
 LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
     "solid": "solid",
     "dashed": "dashed",
@@ -58,9 +58,8 @@ SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
 FAR = 20.0
 # Part of an axis in which no word fits.
 NARROW = 0.04
-ANGLES = (0, 15, 30, 45, 60, 75, 90)
-# Up to here a logarithmic axis of either sign is linear.
-LINEAR = 0.1
+# The series of both ends of the speeds at which particles piled up.
+PILE_UP = "printed pile-up"
 
 STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
 
@@ -107,10 +106,9 @@ def context() -> Iterator[None]:
         yield
 
 
-def _empty(words: Words, height_mm: float | None = None) -> Figure:
+def _empty(words: Words) -> Figure:
     """Return an empty figure of the size declared."""
-    height = height_mm or words.height_mm
-    return Figure(figsize=(WIDTH_MM[words.width] / MM_PER_INCH, height / MM_PER_INCH))
+    return Figure(figsize=(WIDTH_MM[words.width] / MM_PER_INCH, words.height_mm / MM_PER_INCH))
 
 
 @context()
@@ -149,7 +147,7 @@ class Sheet:
         self._values, self._pairs = values, pairs
         self._points: list[Line2D] = []  # Entries of the user's points for the key
         self._drawn: list[Axes] = []
-        self._omitted: list[str] = []
+        self._taken: list[str] = []
         self.figure = _empty(words)
 
     def fill(self, text: str) -> str:
@@ -163,17 +161,13 @@ class Sheet:
         Parameters
         ----------
         titles
-            By panel, if they are others than those declared; the height of the figure is that of
-            two rows then.
+            By panel, if they are others than those declared.
         look
             Properties that all of them have, as for `Axes.set`.
         """
-        if titles is None:
-            titles = self.declared.panels
+        titles = titles or self.declared.panels
         columns = self.declared.columns or len(titles)
         rows = -(-len(titles) // columns)
-        if titles is not self.declared.panels:
-            self.figure = _empty(self.declared, self.declared.height_mm * rows / 2)
         for number, (name, title) in enumerate(titles.items()):
             ax = self.figure.add_subplot(rows, columns, number + 1, label=name)
             ax.set(**look)
@@ -182,20 +176,35 @@ class Sheet:
                 ax.set_title(prefix + self.fill(title))
         return self.figure.axes
 
-    def rows(self, panel: str) -> pd.DataFrame:
+    def take(self, ax: Axes, series: str) -> pd.DataFrame:
+        """Return the rows of a series of a panel that the figure draws by itself.
+
+        With them are those whose names continue it after a blank. `draw` leaves them out from here
+        on, and so does the key of evidence.
+        """
+        self._taken.append(series)
+        panel = str(ax.get_label())
+        rows = self._table(panel)
+        return rows[(rows["panel"] == panel) & _is(series, rows)]
+
+    def _table(self, panel: str) -> pd.DataFrame:
         """Return the tables that have a panel as one; all tables, if none has it."""
         parts = [t for t in self.tables.values() if panel in t["panel"].unique()]
         return pd.concat(parts or list(self.tables.values()), ignore_index=True)
 
+    def _without_taken(self, table: pd.DataFrame) -> pd.DataFrame:
+        for series in self._taken:
+            table = table[~_is(series, table)]
+        return table
+
     def draw(
         self,
         ax: Axes,
-        series: Mapping[str, Series] = NO_SERIES,
+        series: Mapping[str, Series],
         *,
         fixed: bool = False,
         joined: bool = False,
         apart: float = 1.0,
-        omit: str | None = None,
     ) -> None:
         """Draw all series of one panel, each in the manner of its evidence.
 
@@ -207,24 +216,18 @@ class Sheet:
             Axes of the panel, their scales and ends set.
         series
             Words and looks by series, in the order of the legend; one that is not among them is
-            drawn under its own name.
+            drawn under its own name, and one that the panel does not have is passed over.
         fixed
             The upright axis does not grow: simulated values above it are written at its edge.
         joined
             A thin line guides the eye along simulated marks.
         apart
             Marks of one abscissa stand apart by this factor.
-        omit
-            A series that the figure draws by itself; so it does those whose names continue this
-            one after a blank.
         """
         series = {name: replace(each, label=self.fill(each.label)) for name, each in series.items()}
         name = str(ax.get_label())
         panel = self.declared.views.get(name, name)
-        table = self.rows(panel)
-        if omit:
-            self._omitted.append(omit)
-            table = table[~_is(omit, table)]
+        table = self._without_taken(self._table(panel))
         x, y = table.columns[3], table.columns[4]
         rows = table[table["panel"] == panel]
         is_point = rows["evidence"].isin(POINTS)
@@ -304,56 +307,37 @@ class Sheet:
             label = str(name_in_data).replace("$", r"\$")  # as it was written
             self._points.append(Line2D([], [], color=colour, label=label, **look))
 
-    def over_angle(self, *axes: Axes) -> None:
-        """Give panels the angle of incidence, from the surface, as abscissa."""
-        for ax in axes:
-            ax.set(xlim=(0.0, 90.0), xlabel=ANGLE, xticks=ANGLES)
-
     def level(self, ax: Axes, height: float) -> None:
         """Draw a thin line across a panel."""
         ax.axhline(height, color="0.6", linewidth=0.6, zorder=1)
 
-    def ticks(self, axis: Axis, places: Sequence[float]) -> None:
-        """Put ticks at some places; on a logarithmic axis they bear plain numbers."""
-        axis.set_ticks(places)
-        if axis.get_scale() != "linear":
-            plain_numbers(axis)
-
-    def steps(self, axis: Axis, *multiples: float) -> None:
-        """Put plain numbers on a logarithmic axis at some multiples of powers of ten."""
-        axis.set_major_locator(LogLocator(subs=multiples))
+    def ticks(self, axis: Axis, places: Sequence[float], *, decades: bool = False) -> None:
+        """Put plain numbers on a logarithmic axis: at some places, or in all decades at these."""
+        if decades:
+            axis.set_major_locator(LogLocator(subs=places))
+        else:
+            axis.set_ticks(places)
         plain_numbers(axis)
-
-    def near_zero(self, ax: Axes) -> None:
-        """Make the upright axis logarithmic on both sides of zero, and linear near it."""
-        ax.set_yscale("symlog", linthresh=LINEAR)
-        plain_numbers(ax.yaxis)
 
     def legend(self, ax: Axes, loc: str, title: str = "") -> None:
         """Name the lines and marks of one panel inside it."""
         named = _entries([ax])
-        ax.legend(named.values(), named.keys(), title=self.fill(title), loc=loc)
+        look: dict[str, Any] = {"title": self.fill(title), "loc": loc}
+        ax.legend(named.values(), named.keys(), **look)
 
-    def abscissae(self, ax: Axes, series: str) -> pd.Series[float]:
-        """Return the abscissae of one series of a panel."""
-        rows = self.rows(str(ax.get_label()))
-        rows = rows[(rows["panel"] == ax.get_label()) & (rows["series"] == series)]
-        return rows.iloc[:, 3]
-
-    def captured(self, ax: Axes, limit: float) -> None:
-        """Shade the part of a panel from zero to a limit in which the sphere does not rebound."""
+    def captured(self, ax: Axes, series: str) -> None:
+        """Shade a panel from zero to the last abscissa of a series: the sphere does not rebound."""
+        limit = self.take(ax, series).iloc[:, 3].max()
         if not limit > 0.0:
             return
         ax.axvspan(0.0, limit, color="0.93", linewidth=0, zorder=0)
-        low, high = ax.get_ylim()
         if limit > NARROW * ax.get_xlim()[1]:
-            words: dict[str, Any] = {"rotation": 90, "ha": "center", "va": "center"}
-            ax.text(limit / 2, (low + high) / 2, "captured", **words)
+            look: dict[str, Any] = {"rotation": 90, "ha": "center", "va": "center"}
+            ax.text(limit / 2, 0.5, "captured", transform=ax.get_xaxis_transform(), **look)
 
     def piled_up(self, ax: Axes) -> None:
         """Shade the speeds at which the article saw particles pile up: the series `PILE_UP`."""
-        rows = self.rows(str(ax.get_label()))
-        speeds = rows.loc[_is(PILE_UP, rows)].iloc[:, 3]
+        speeds = self.take(ax, PILE_UP).iloc[:, 3]
         if speeds.empty:
             return
         low, high = speeds.min(), speeds.max()
@@ -368,14 +352,28 @@ class Sheet:
             legend_above(self.figure, above)
         self.evidence_key()
 
-    def evidence_key(self, entries: Iterable[Line2D] = (), **look: Any) -> None:
-        """Name the evidence of marks and lines below the figure, then further entries."""
-        table = pd.concat(self.tables.values(), ignore_index=True)
-        for series in self._omitted:
-            table = table[~_is(series, table)]
+    def evidence_key(
+        self,
+        entries: Iterable[Line2D] = (),
+        loc: Literal["outside lower center", "outside upper center"] = "outside lower center",
+    ) -> None:
+        """Name the evidence of marks and lines below the figure, then further entries.
+
+        Entries of series of points name their evidence themselves, each name and colour once.
+        """
+        table = self._without_taken(pd.concat(self.tables.values(), ignore_index=True))
+        known = set(table["evidence"])
+        lines = {} if "computed" in known else {"calibrated": "computed, calibrated"}
+        own = {name: self.fill(text) for name, text in self.declared.evidence_labels.items()}
+        handles = [
+            Line2D([], [], color="black", label=words, **EVIDENCE[name])
+            for name, words in (lines | EVIDENCE_LABEL | own).items()
+            if name in known
+        ]
         entries = [*self._points, *entries]
-        labels = {name: self.fill(text) for name, text in self.declared.evidence_labels.items()}
-        evidence_key(self.figure, table["evidence"], entries, labels=labels, **look)
+        handles += {(str(e.get_label()), str(e.get_color())): e for e in entries}.values()
+        columns = _columns(self.figure, [str(handle.get_label()) for handle in handles])
+        self.figure.legend(handles=handles, loc=loc, ncols=columns)
 
 
 def _require_on(axis: Axis, values: pd.Series[float]) -> None:
@@ -528,31 +526,6 @@ def _write_above(ax: Axes, rows: pd.DataFrame) -> None:
             fontsize="small",
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
         )
-
-
-def evidence_key(
-    figure: Figure,
-    evidence: Iterable[str],
-    entries: Iterable[Line2D] = (),
-    loc: Literal["outside lower center", "outside upper center"] = "outside lower center",
-    labels: Mapping[str, str] | None = None,
-) -> None:
-    """Name the evidence of marks and lines below the figure.
-
-    Entries of series of points follow, each name and colour once; they name their evidence
-    themselves. ``loc`` may be another place, and ``labels`` replace words, as of what was printed
-    elsewhere than in the article.
-    """
-    known = set(evidence)
-    lines = {} if "computed" in known else {"calibrated": "computed, calibrated"}
-    words = {**lines, **EVIDENCE_LABEL, **(labels or {})}
-    present = [name for name in words if name in known]
-    handles = [
-        Line2D([], [], color="black", label=words[name], **EVIDENCE[name]) for name in present
-    ]
-    handles += {(str(e.get_label()), str(e.get_color())): e for e in entries}.values()
-    columns = _columns(figure, [str(handle.get_label()) for handle in handles])
-    figure.legend(handles=handles, loc=loc, ncols=columns)
 
 
 def _tick(value: float) -> str:

@@ -1,4 +1,4 @@
-"""Figures of calibration."""
+"""Figure ridge: contacts that meet the two numbers printed for steel on silicon."""
 
 from __future__ import annotations
 
@@ -48,30 +48,26 @@ if TYPE_CHECKING:
     height_mm=78.0,
 )
 def draw_ridge(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
+    """Deviation from the plateau by work of adhesion, and two contacts that deviate little."""
     ridge, curves = sheet.panels()
-    ridge.set(
-        xscale="log",
-        xlim=(0.04, 6.0),
-        ylim=(0.0, 0.15),
-        xlabel=WORK_OF_ADHESION,
-        ylabel=sheet.fill("Largest $|e - [[two_stage.restitution:.2f]]|$"),
-    )
-    curves.set(xlim=(0.0, 3.2), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
-    sheet.steps(ridge.xaxis, 1.0)
-    looks_ridge = {
+    largest = sheet.fill("Largest $|e - [[two_stage.restitution:.2f]]|$")
+    ridge.set(xscale="log", xlim=(0.04, 6.0), xlabel=WORK_OF_ADHESION)
+    ridge.set(ylim=(0.0, 0.15), ylabel=largest)
+    sheet.ticks(ridge.xaxis, (1,), decades=True)
+    exponents = {
         "n = 0": Series("$n$ = 0", 0),
         "n = 0.5": Series("$n$ = 0.5", 2, line="dashdot"),
         "n = 1": Series("$n$ = 1", 1, line="dashed"),
         "criterion": Series("criterion", 6, line="dotted"),
     }
-    sheet.draw(ridge, looks_ridge)
+    sheet.draw(ridge, exponents)
     sheet.legend(ridge, "upper right")
-    looks_curves = {
+    curves.set(xlim=(0.0, 3.2), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
+    members = {
         "steel-silicon, n = 0": Series("n = 0", 0),
         "steel-silicon, n = 1": Series("n = 1", 1, line="dashed"),
         "targets": Series("targets ($e$ printed for oblique impact)", 6),
     }
-    sheet.draw(curves, looks_curves)
+    sheet.draw(curves, members)
     sheet.legend(curves, "lower right")
     sheet.keys()

@@ -1,4 +1,4 @@
-"""Figures of campaign."""
+"""Figure campaign_map: all experiments of the campaign."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 FEW = "too few events"
-# Marks of one cell are in rows of so many, this far apart, in cells.
+# Marks of one cell stand in rows of at most five, this far apart, in cells.
 IN_A_ROW = 5
 STEP = 0.17, 0.30
 AREA = 9.0

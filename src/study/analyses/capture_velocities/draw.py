@@ -1,4 +1,4 @@
-"""Figures of capture_velocities."""
+"""Figure capture_laws: capture velocity against the diameter by competing laws."""
 
 from __future__ import annotations
 
@@ -58,22 +58,21 @@ PAIRS = {
         "contact_properties": "Stiffness, adhesion, damping and capture velocity of every declared contact.",
         "capture_laws": "Capture velocity of every pair by every law, and the printed one.",
     },
-    height_mm=105.0,
+    height_mm=157.5,
     columns=2,
 )
 def draw_capture_laws(sheet: Sheet) -> None:
     """A panel per pair of the data, also of one that a changed study adds."""
     (table,) = sheet.tables.values()
     titles = {pair: PAIRS.get(pair, pair) for pair in dict.fromkeys(table["panel"])}
+    # The height is declared for the rows of the shipped pairs.
+    rows, usual = (-(-len(pairs) // 2) for pairs in (titles, PAIRS))
+    sheet.figure.set_figheight(sheet.figure.get_figheight() * (rows / usual))
+    diameter = r"Diameter $d$ ($\mu$m)"
     axes = sheet.panels(
-        titles,
-        xscale="log",
-        yscale="log",
-        xlim=(1.0, 125.0),
-        ylim=(0.0001, 50.0),
-        xlabel=r"Diameter $d$ ($\mu$m)",
-        ylabel=CAPTURE_VELOCITY,
+        titles, xscale="log", yscale="log", xlabel=diameter, ylabel=CAPTURE_VELOCITY
     )
     for ax in axes:
+        ax.set(xlim=(1.0, 125.0), ylim=(0.0001, 50.0))
         sheet.draw(ax, LAWS)
     sheet.keys()

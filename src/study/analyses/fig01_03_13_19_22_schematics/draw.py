@@ -1,4 +1,4 @@
-"""Figures of fig01_03_13_19_22_schematics."""
+"""Figs. 1 to 3, 13, 19, 22: set-ups, impacts and contacts as schematics."""
 
 from __future__ import annotations
 

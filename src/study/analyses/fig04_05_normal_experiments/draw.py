@@ -1,4 +1,4 @@
-"""Figures of fig04_05_normal_experiments."""
+"""Figs. 4, 5: restitution and energy loss at normal incidence, by sieve class."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from study.figures.declaration import (
     ENERGY_LOSS,
     NORMAL_SPEED,
-    PILE_UP,
     RESTITUTION,
     TWO_STAGES,
     Figure,
@@ -17,6 +16,7 @@ from study.figures.declaration import (
 if TYPE_CHECKING:
     from study.figures.style import Sheet
 
+# The marks of the analyser, then the contact without it: of all spheres, and of the mean one.
 CLASSES = {
     "SST65": Series("SST65, virtual experiment", 0),
     "SST125": Series("SST125, virtual experiment", 1, open=True),
@@ -78,10 +78,10 @@ CLASSES = {
 def draw_fig04(sheet: Sheet) -> None:
     """Restitution against the normal speed."""
     (ax,) = sheet.panels(xlim=(0.0, 1.8), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
-    sheet.draw(ax, CLASSES, fixed=True, omit=PILE_UP)
+    sheet.piled_up(ax)
+    sheet.draw(ax, CLASSES, fixed=True)
     sheet.legend(ax, "lower right")
     sheet.keys()
-    sheet.piled_up(ax)
 
 
 @Figure(
@@ -111,7 +111,7 @@ def draw_fig04(sheet: Sheet) -> None:
 def draw_fig05(sheet: Sheet) -> None:
     """Energy loss against the normal speed."""
     (ax,) = sheet.panels(xlim=(0.0, 1.8), ylim=(0.4, 1.0), xlabel=NORMAL_SPEED, ylabel=ENERGY_LOSS)
-    sheet.draw(ax, CLASSES, omit=PILE_UP)
+    sheet.piled_up(ax)
+    sheet.draw(ax, CLASSES)
     sheet.legend(ax, "upper right")
     sheet.keys()
-    sheet.piled_up(ax)

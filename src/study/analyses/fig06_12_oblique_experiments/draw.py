@@ -1,12 +1,14 @@
-"""Figures of fig06_12_oblique_experiments."""
+"""Figs. 6 to 12: rebounds at oblique incidence, by face, class of speed and particle."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from study.figures.declaration import (
     ENERGY_LOSS,
     IMPULSE_RATIO,
+    OVER_ANGLE,
     RESTITUTION,
     TWO_STAGES,
     Figure,
@@ -15,6 +17,109 @@ from study.figures.declaration import (
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
+
+COEFFICIENTS = {"restitution": "", "impulse_ratio": "", "energy_loss": ""}
+SMOOTH = {"computed": "computed (solid, dotted: mean size, smooth surfaces)"}
+NO_SPIN = {"computed": "computed: mean size, no spin"}
+# Methods of Figs. 6, 7, 11 and 12, and of Figs. 8 to 10.
+IMAGED = """
+    Particles are dropped on the tilted target, imaged by a virtual light sheet and
+    camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
+    [[stop.events]] events. Smooth curves are of the mean size, without spread or
+    instrument; two contacts that are the same give one curve. Black, dashed: the rigid
+    body model with Coulomb friction of the same coefficient. Off-scale means are given
+    at the top. There is no mark at 90°, where both tracks coincide, and none where
+    fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
+    smooth curve, the agreement is by construction.
+"""
+SPINNING = """
+    As in Fig. 6; contact [[series.1.60 m/s.case]]. The initial spin r omega has a
+    standard deviation of [[series.0.45 m/s.spin.sd:g]] v per axis and mean zero
+    (assumed); one series has a mean spin of [[series.0.45 m/s, spun.spin.mean:g]] v
+    about the tilt axis. There is no mark where fewer than [[stop.fewest_events]] events
+    could be measured. Agreement of marks and curves of one contact is by construction.
+"""
+
+FAST, MIDDLE, SLOW = (
+    f"class {speed}, at [[series.{speed}.speed_m_per_s:.2f]]"
+    for speed in ("1.60 m/s", "1.05 m/s", "0.45 m/s")
+)
+CLASSES = {
+    "1.60 m/s": Series(FAST, 0),
+    "1.05 m/s": Series(MIDDLE, 1, open=True),
+    "0.45 m/s": Series(SLOW, 2, mark="square"),
+    "0.45 m/s, spun": Series(
+        f"{SLOW}, mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$",
+        3,
+        mark="triangle",
+        open=True,
+    ),
+    "1.60 m/s, smooth": Series(FAST, 0),
+    "1.05 m/s, smooth": Series(MIDDLE, 1, line="dotted"),
+    "0.45 m/s, smooth": Series(SLOW, 2, line="dashdot"),
+    "0.45 m/s, spun, smooth": Series(SLOW, 2, line="dashdot"),
+    "0.45 m/s, all rebounds": Series(f"{SLOW}, all rebounds", 2, line="long dashed"),
+    "printed, 85 deg": Series("printed, fastest class", 0),
+    "printed, 25 deg": Series("_printed", 0),
+    "Coulomb friction": Series("Coulomb friction, no spin", 6, line="dashed"),
+    "printed plateau": Series("ends of the printed plateau", 6),
+}
+
+
+def compared(filled: tuple[str, str, int], hollow: tuple[str, str, int]) -> dict[str, Series]:
+    """Return the series of two experiments, each given as name, words and colour.
+
+    Curves of the same contacts on smooth surfaces and of Coulomb friction are with them.
+    """
+    (one, words, colour), (other, other_words, other_colour) = filled, hollow
+    return {
+        one: Series(words, colour),
+        other: Series(other_words, other_colour, open=True),
+        f"{one}, smooth": Series(words, colour),
+        f"{other}, smooth": Series(other_words, other_colour, line="dotted"),
+        "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
+        "printed plateau": Series("_printed", 6),
+    }
+
+
+def faces(surface: str) -> dict[str, Series]:
+    """Return the series of the front and the rough back of a surface."""
+    front, back = f"{surface} front", f"{surface} back"
+    return {
+        **compared(
+            (front, f"front of [[series.{front}.case.surface]]", 0),
+            (back, f"back of [[series.{back}.case.surface]]", 1),
+        ),
+        f"{back}, all rebounds": Series("back, all rebounds", 1, line="dashed"),
+    }
+
+
+def particles(spore: str, steel: str) -> dict[str, Series]:
+    """Return the series of spores and of steel on one surface."""
+    return compared(
+        (spore, f"[[series.{spore}.case.particle]]", 1),
+        (steel, f"[[series.{steel}.case.particle]]", 0),
+    )
+
+
+def draw_coefficients(
+    sheet: Sheet, series: Mapping[str, Series], highest: tuple[float, float] = (1.6, 0.4)
+) -> None:
+    """Draw restitution and impulse ratio, up to the highest that fit, and energy loss."""
+    e, ratio = highest
+    ends = (0.0, e), (-0.1, ratio), (0.0, 0.8)
+    words = RESTITUTION, IMPULSE_RATIO, ENERGY_LOSS
+    for ax, ylim, ylabel in zip(sheet.panels(**OVER_ANGLE), ends, words, strict=True):
+        ax.set(ylim=ylim, ylabel=ylabel)
+        sheet.draw(ax, series, fixed=True)
+    sheet.keys()
+
+
+def draw_classes(sheet: Sheet, words: str, ends: tuple[float, float]) -> None:
+    """Draw one coefficient against the angle, by class of speed."""
+    (ax,) = sheet.panels(**OVER_ANGLE, ylim=ends, ylabel=words)
+    sheet.draw(ax, CLASSES, fixed=True)
+    sheet.keys()
 
 
 @Figure(
@@ -27,7 +132,7 @@ if TYPE_CHECKING:
         experiments with 95 % intervals. Coloured curves: the same contacts on smooth
         surfaces; dashed: all rebounds, seen or not. Black: Coulomb friction.
     """,
-    {"restitution": "", "impulse_ratio": "", "energy_loss": ""},
+    COEFFICIENTS,
     data=("fig06",),
     equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
     article="""
@@ -39,16 +144,7 @@ if TYPE_CHECKING:
         A rough back face raises the measured restitution at shallow angles, although no
         contact has become more elastic.
     """,
-    method="""
-        Particles are dropped on the tilted target, imaged by a virtual light sheet and
-        camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
-        [[stop.events]] events. Smooth curves are of the mean size, without spread or
-        instrument; two contacts that are the same give one curve. Black, dashed: the rigid
-        body model with Coulomb friction of the same coefficient. Off-scale means are given
-        at the top. There is no mark at 90°, where both tracks coincide, and none where
-        fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
-        smooth curve, the agreement is by construction.
-    """,
+    method=IMAGED,
     as_shipped="""
         The front of the wafer is polished, the back lapped, with assumed slopes of
         [[series.silicon back.surface_slope:.2f]] rad per axis; contacts [[series.silicon
@@ -59,51 +155,16 @@ if TYPE_CHECKING:
     tables={
         "oblique_experiments": "Every experiment of Figs. 6 to 12: means, intervals, and fates of the particles.",
     },
-    evidence_labels={
-        "computed": "computed (solid, dotted: mean size, smooth surfaces)",
-    },
+    evidence_labels=SMOOTH,
 )
 def draw_fig06(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    restitution, impulse_ratio, energy_loss = sheet.panels()
-    sheet.over_angle(restitution, impulse_ratio, energy_loss)
-    restitution.set(ylim=(0.0, 1.6), ylabel=RESTITUTION)
-    impulse_ratio.set(ylim=(-0.1, 0.4), ylabel=IMPULSE_RATIO)
-    energy_loss.set(ylim=(0.0, 0.8), ylabel=ENERGY_LOSS)
-    looks_restitution = {
-        "silicon front": Series("front of [[series.silicon front.case.surface]]", 0),
-        "silicon back": Series("back of [[series.silicon back.case.surface]]", 1, open=True),
-        "silicon front, smooth": Series("front of [[series.silicon front.case.surface]]", 0),
-        "silicon back, smooth": Series(
-            "back of [[series.silicon back.case.surface]]", 1, line="dotted"
-        ),
-        "silicon back, all rebounds": Series("back, all rebounds", 1, line="dashed"),
+    """Both faces of the wafer."""
+    printed = {
         "printed, exceeded below": Series("back", 1, side="right", beside=20),
-        "printed, smooth": Series("_p", 0),
-        "printed, smooth, shallow": Series("_p", 0),
+        "printed, smooth": Series("_printed", 0),
+        "printed, smooth, shallow": Series("_printed", 0),
     }
-    sheet.draw(restitution, looks_restitution, fixed=True)
-    looks_impulse_ratio = {
-        "silicon front": Series("front of [[series.silicon front.case.surface]]", 0),
-        "silicon back": Series("back of [[series.silicon back.case.surface]]", 1, open=True),
-        "silicon front, smooth": Series("front of [[series.silicon front.case.surface]]", 0),
-        "silicon back, smooth": Series(
-            "back of [[series.silicon back.case.surface]]", 1, line="dotted"
-        ),
-        "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
-        "printed plateau": Series("_printed", 6),
-    }
-    sheet.draw(impulse_ratio, looks_impulse_ratio, fixed=True)
-    looks_energy_loss = {
-        "silicon front": Series("front of [[series.silicon front.case.surface]]", 0),
-        "silicon back": Series("back of [[series.silicon back.case.surface]]", 1, open=True),
-        "silicon front, smooth": Series("front of [[series.silicon front.case.surface]]", 0),
-        "silicon back, smooth": Series(
-            "back of [[series.silicon back.case.surface]]", 1, line="dotted"
-        ),
-    }
-    sheet.draw(energy_loss, looks_energy_loss, fixed=True)
-    sheet.keys()
+    draw_coefficients(sheet, faces("silicon") | printed)
 
 
 @Figure(
@@ -116,7 +177,7 @@ def draw_fig06(sheet: Sheet) -> None:
         experiments with 95 % intervals. Coloured curves: the same contacts on smooth
         surfaces; dashed: all rebounds, seen or not. Black: Coulomb friction.
     """,
-    {"restitution": "", "impulse_ratio": "", "energy_loss": ""},
+    COEFFICIENTS,
     data=("fig07",),
     equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
     article="""
@@ -127,64 +188,19 @@ def draw_fig06(sheet: Sheet) -> None:
         Only the roughness of the back, an assumed one, separates the two faces of the
         mirror.
     """,
-    method="""
-        Particles are dropped on the tilted target, imaged by a virtual light sheet and
-        camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
-        [[stop.events]] events. Smooth curves are of the mean size, without spread or
-        instrument; two contacts that are the same give one curve. Black, dashed: the rigid
-        body model with Coulomb friction of the same coefficient. Off-scale means are given
-        at the top. There is no mark at 90°, where both tracks coincide, and none where
-        fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
-        smooth curve, the agreement is by construction.
-    """,
+    method=IMAGED,
     as_shipped="""
         The slopes of the back, [[series.mirror back.surface_slope:.2f]] rad per axis, are
         assumed; contacts [[series.mirror front.case]] and [[series.mirror back.case]].
         Diamonds: ends of the range printed for the mirror; of the back the article prints
         only that e is lower.
     """,
-    evidence_labels={
-        "computed": "computed (solid, dotted: mean size, smooth surfaces)",
-    },
+    evidence_labels=SMOOTH,
 )
 def draw_fig07(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    restitution, impulse_ratio, energy_loss = sheet.panels()
-    sheet.over_angle(restitution, impulse_ratio, energy_loss)
-    restitution.set(ylim=(0.0, 1.6), ylabel=RESTITUTION)
-    impulse_ratio.set(ylim=(-0.1, 0.4), ylabel=IMPULSE_RATIO)
-    energy_loss.set(ylim=(0.0, 0.8), ylabel=ENERGY_LOSS)
-    looks_restitution = {
-        "mirror front": Series("front of [[series.mirror front.case.surface]]", 0),
-        "mirror back": Series("back of [[series.mirror back.case.surface]]", 1, open=True),
-        "mirror front, smooth": Series("front of [[series.mirror front.case.surface]]", 0),
-        "mirror back, smooth": Series(
-            "back of [[series.mirror back.case.surface]]", 1, line="dotted"
-        ),
-        "mirror back, all rebounds": Series("back, all rebounds", 1, line="dashed"),
-        "printed, front": Series("front", 0, side="above", beside=65),
-    }
-    sheet.draw(restitution, looks_restitution, fixed=True)
-    looks_impulse_ratio = {
-        "mirror front": Series("front of [[series.mirror front.case.surface]]", 0),
-        "mirror back": Series("back of [[series.mirror back.case.surface]]", 1, open=True),
-        "mirror front, smooth": Series("front of [[series.mirror front.case.surface]]", 0),
-        "mirror back, smooth": Series(
-            "back of [[series.mirror back.case.surface]]", 1, line="dotted"
-        ),
-        "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
-    }
-    sheet.draw(impulse_ratio, looks_impulse_ratio, fixed=True)
-    looks_energy_loss = {
-        "mirror front": Series("front of [[series.mirror front.case.surface]]", 0),
-        "mirror back": Series("back of [[series.mirror back.case.surface]]", 1, open=True),
-        "mirror front, smooth": Series("front of [[series.mirror front.case.surface]]", 0),
-        "mirror back, smooth": Series(
-            "back of [[series.mirror back.case.surface]]", 1, line="dotted"
-        ),
-    }
-    sheet.draw(energy_loss, looks_energy_loss, fixed=True)
-    sheet.keys()
+    """Both faces of the mirror."""
+    printed = {"printed, front": Series("front", 0, beside=65)}
+    draw_coefficients(sheet, faces("mirror") | printed)
 
 
 @Figure(
@@ -207,13 +223,7 @@ def draw_fig07(sheet: Sheet) -> None:
         In the slowest class the camera misses most rebounds at steep angles, so the
         measured restitution is slightly too high.
     """,
-    method="""
-        As in Fig. 6; contact [[series.1.60 m/s.case]]. The initial spin r omega has a
-        standard deviation of [[series.0.45 m/s.spin.sd:g]] v per axis and mean zero
-        (assumed); one series has a mean spin of [[series.0.45 m/s, spun.spin.mean:g]] v
-        about the tilt axis. There is no mark where fewer than [[stop.fewest_events]] events
-        could be measured. Agreement of marks and curves of one contact is by construction.
-    """,
+    method=SPINNING,
     as_shipped="""
         Each class of speed is named by the middle of the range that is printed for it. In
         the slowest class, and at steep angles, the camera misses more than half of the
@@ -221,49 +231,12 @@ def draw_fig07(sheet: Sheet) -> None:
         values printed in the article.
     """,
     contact=TWO_STAGES,
-    evidence_labels={
-        "computed": "computed: mean size, no spin",
-    },
+    evidence_labels=NO_SPIN,
     height_mm=85.0,
 )
 def draw_fig08(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    (ax,) = sheet.panels(ylim=(0.0, 1.0), ylabel=RESTITUTION)
-    sheet.over_angle(ax)
-    looks_ax = {
-        "1.60 m/s": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s": Series(
-            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True
-        ),
-        "0.45 m/s": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"
-        ),
-        "0.45 m/s, spun": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$",
-            3,
-            mark="triangle",
-            open=True,
-        ),
-        "1.60 m/s, smooth": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s, smooth": Series(
-            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"
-        ),
-        "0.45 m/s, smooth": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
-        ),
-        "0.45 m/s, spun, smooth": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
-        ),
-        "0.45 m/s, all rebounds": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]], all rebounds",
-            2,
-            line="long dashed",
-        ),
-        "printed, 85 deg": Series("printed, fastest class", 0),
-        "printed, 25 deg": Series("_p", 0),
-    }
-    sheet.draw(ax, looks_ax, fixed=True)
-    sheet.keys()
+    """Restitution of three classes, and of the slowest one spun."""
+    draw_classes(sheet, RESTITUTION, (0.0, 1.0))
 
 
 @Figure(
@@ -286,56 +259,18 @@ def draw_fig08(sheet: Sheet) -> None:
         A mean spin brings the impulse ratio to zero and below; adhesion at low speed raises
         it.
     """,
-    method="""
-        As in Fig. 6; contact [[series.1.60 m/s.case]]. The initial spin r omega has a
-        standard deviation of [[series.0.45 m/s.spin.sd:g]] v per axis and mean zero
-        (assumed); one series has a mean spin of [[series.0.45 m/s, spun.spin.mean:g]] v
-        about the tilt axis. There is no mark where fewer than [[stop.fewest_events]] events
-        could be measured. Agreement of marks and curves of one contact is by construction.
-    """,
+    method=SPINNING,
     as_shipped="""
         Each class of speed is named by the middle of the range that is printed for it.
         Diamonds: ends of the printed plateau.
     """,
     contact=TWO_STAGES,
-    evidence_labels={
-        "computed": "computed: mean size, no spin",
-    },
+    evidence_labels=NO_SPIN,
     height_mm=85.0,
 )
 def draw_fig09(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    (ax,) = sheet.panels(ylim=(-0.2, 0.3), ylabel=IMPULSE_RATIO)
-    sheet.over_angle(ax)
-    looks_ax = {
-        "1.60 m/s": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s": Series(
-            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True
-        ),
-        "0.45 m/s": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"
-        ),
-        "0.45 m/s, spun": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$",
-            3,
-            mark="triangle",
-            open=True,
-        ),
-        "1.60 m/s, smooth": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s, smooth": Series(
-            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"
-        ),
-        "0.45 m/s, smooth": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
-        ),
-        "0.45 m/s, spun, smooth": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
-        ),
-        "Coulomb friction": Series("Coulomb friction, no spin", 6, line="dashed"),
-        "printed plateau": Series("ends of the printed plateau", 6),
-    }
-    sheet.draw(ax, looks_ax, fixed=True)
-    sheet.keys()
+    """Impulse ratio of three classes, and of the slowest one spun."""
+    draw_classes(sheet, IMPULSE_RATIO, (-0.2, 0.3))
 
 
 @Figure(
@@ -354,50 +289,14 @@ def draw_fig09(sheet: Sheet) -> None:
         The slowest spheres lose a clearly larger share of their energy; a mean spin lowers
         the loss.
     """,
-    method="""
-        As in Fig. 6; contact [[series.1.60 m/s.case]]. The initial spin r omega has a
-        standard deviation of [[series.0.45 m/s.spin.sd:g]] v per axis and mean zero
-        (assumed); one series has a mean spin of [[series.0.45 m/s, spun.spin.mean:g]] v
-        about the tilt axis. There is no mark where fewer than [[stop.fewest_events]] events
-        could be measured. Agreement of marks and curves of one contact is by construction.
-    """,
+    method=SPINNING,
     contact=TWO_STAGES,
-    evidence_labels={
-        "computed": "computed: mean size, no spin",
-    },
+    evidence_labels=NO_SPIN,
     height_mm=85.0,
 )
 def draw_fig10(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    (ax,) = sheet.panels(ylim=(0.0, 1.0), ylabel=ENERGY_LOSS)
-    sheet.over_angle(ax)
-    looks_ax = {
-        "1.60 m/s": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s": Series(
-            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, open=True
-        ),
-        "0.45 m/s": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, mark="square"
-        ),
-        "0.45 m/s, spun": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s, spun.speed_m_per_s:.2f]], mean spin [[series.0.45 m/s, spun.spin.mean:g]] $v/r$",
-            3,
-            mark="triangle",
-            open=True,
-        ),
-        "1.60 m/s, smooth": Series("class 1.60 m/s, at [[series.1.60 m/s.speed_m_per_s:.2f]]", 0),
-        "1.05 m/s, smooth": Series(
-            "class 1.05 m/s, at [[series.1.05 m/s.speed_m_per_s:.2f]]", 1, line="dotted"
-        ),
-        "0.45 m/s, smooth": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
-        ),
-        "0.45 m/s, spun, smooth": Series(
-            "class 0.45 m/s, at [[series.0.45 m/s.speed_m_per_s:.2f]]", 2, line="dashdot"
-        ),
-    }
-    sheet.draw(ax, looks_ax, fixed=True)
-    sheet.keys()
+    """Energy loss of three classes, and of the slowest one spun."""
+    draw_classes(sheet, ENERGY_LOSS, (0.0, 1.0))
 
 
 @Figure(
@@ -410,7 +309,7 @@ def draw_fig10(sheet: Sheet) -> None:
         curves: the same contacts, smooth; dashed: all rebounds of the rough particles, seen
         or not. Black: Coulomb friction.
     """,
-    {"restitution": "", "impulse_ratio": "", "energy_loss": ""},
+    COEFFICIENTS,
     data=("fig11",),
     equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
     article="""
@@ -421,16 +320,7 @@ def draw_fig10(sheet: Sheet) -> None:
         Rough spores give the scattered, high restitutions that smooth steel on the same
         silicon does not.
     """,
-    method="""
-        Particles are dropped on the tilted target, imaged by a virtual light sheet and
-        camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
-        [[stop.events]] events. Smooth curves are of the mean size, without spread or
-        instrument; two contacts that are the same give one curve. Black, dashed: the rigid
-        body model with Coulomb friction of the same coefficient. Off-scale means are given
-        at the top. There is no mark at 90°, where both tracks coincide, and none where
-        fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
-        smooth curve, the agreement is by construction.
-    """,
+    method=IMAGED,
     as_shipped="""
         Lycopodium spores are not spheres; their slopes, [[series.spore on
         silicon.particle_slope:.2f]] rad per axis, are assumed. Speeds are [[series.spore on
@@ -438,46 +328,19 @@ def draw_fig10(sheet: Sheet) -> None:
         front.speed_m_per_s:.2f]] m/s for steel. Diamonds: values printed in the article.
     """,
     contact=TWO_STAGES,
-    evidence_labels={
-        "computed": "computed (solid, dotted: mean size, smooth surfaces)",
-    },
+    evidence_labels=SMOOTH,
 )
 def draw_fig11(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    restitution, impulse_ratio, energy_loss = sheet.panels()
-    sheet.over_angle(restitution, impulse_ratio, energy_loss)
-    restitution.set(ylim=(0.0, 1.6), ylabel=RESTITUTION)
-    impulse_ratio.set(ylim=(-0.1, 0.4), ylabel=IMPULSE_RATIO)
-    energy_loss.set(ylim=(0.0, 0.8), ylabel=ENERGY_LOSS)
-    looks_restitution = {
-        "spore on silicon": Series("[[series.spore on silicon.case.particle]]", 1),
-        "silicon front": Series("[[series.silicon front.case.particle]]", 0, open=True),
-        "spore on silicon, smooth": Series("[[series.spore on silicon.case.particle]]", 1),
-        "silicon front, smooth": Series("[[series.silicon front.case.particle]]", 0, line="dotted"),
-        "spore on silicon, all rebounds": Series(
-            "[[series.spore on silicon.case.particle]], all rebounds", 1, line="dashed"
+    """Spores and steel on silicon."""
+    spore = "spore on silicon"
+    more = {
+        f"{spore}, all rebounds": Series(
+            f"[[series.{spore}.case.particle]], all rebounds", 1, line="dashed"
         ),
-        "printed, spore, 48 deg": Series("_p", 1),
-        "printed, spore, 38 deg": Series("_p", 1),
+        "printed, spore, 48 deg": Series("_printed", 1),
+        "printed, spore, 38 deg": Series("_printed", 1),
     }
-    sheet.draw(restitution, looks_restitution, fixed=True)
-    looks_impulse_ratio = {
-        "spore on silicon": Series("[[series.spore on silicon.case.particle]]", 1),
-        "silicon front": Series("[[series.silicon front.case.particle]]", 0, open=True),
-        "spore on silicon, smooth": Series("[[series.spore on silicon.case.particle]]", 1),
-        "silicon front, smooth": Series("[[series.silicon front.case.particle]]", 0, line="dotted"),
-        "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
-        "printed plateau": Series("_printed", 6),
-    }
-    sheet.draw(impulse_ratio, looks_impulse_ratio, fixed=True)
-    looks_energy_loss = {
-        "spore on silicon": Series("[[series.spore on silicon.case.particle]]", 1),
-        "silicon front": Series("[[series.silicon front.case.particle]]", 0, open=True),
-        "spore on silicon, smooth": Series("[[series.spore on silicon.case.particle]]", 1),
-        "silicon front, smooth": Series("[[series.silicon front.case.particle]]", 0, line="dotted"),
-    }
-    sheet.draw(energy_loss, looks_energy_loss, fixed=True)
-    sheet.keys()
+    draw_coefficients(sheet, particles(spore, "silicon front") | more)
 
 
 @Figure(
@@ -490,7 +353,7 @@ def draw_fig11(sheet: Sheet) -> None:
         curves: the same contacts, smooth; dashed, dash-dotted: all rebounds, seen or not.
         Black: Coulomb friction.
     """,
-    {"restitution": "", "impulse_ratio": "", "energy_loss": ""},
+    COEFFICIENTS,
     data=("fig12",),
     equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
     article="The same for Lycopodium spores and steel SST76 on Formica.",
@@ -498,66 +361,25 @@ def draw_fig11(sheet: Sheet) -> None:
         On a rough plastic both particles appear to rebound faster than they came at shallow
         angles.
     """,
-    method="""
-        Particles are dropped on the tilted target, imaged by a virtual light sheet and
-        camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
-        [[stop.events]] events. Smooth curves are of the mean size, without spread or
-        instrument; two contacts that are the same give one curve. Black, dashed: the rigid
-        body model with Coulomb friction of the same coefficient. Off-scale means are given
-        at the top. There is no mark at 90°, where both tracks coincide, and none where
-        fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
-        smooth curve, the agreement is by construction.
-    """,
+    method=IMAGED,
     as_shipped="""
         Lycopodium spores are not spheres; all slopes are assumed: [[series.spore on
         Formica.surface_slope:.2f]] rad per axis of the surface and [[series.spore on
         Formica.particle_slope:.2f]] of the spores. Diamonds: values printed in the article.
     """,
-    evidence_labels={
-        "computed": "computed (solid, dotted: mean size, smooth surfaces)",
-    },
+    evidence_labels=SMOOTH,
 )
 def draw_fig12(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    restitution, impulse_ratio, energy_loss = sheet.panels()
-    sheet.over_angle(restitution, impulse_ratio, energy_loss)
-    restitution.set(ylim=(0.0, 2.0), ylabel=RESTITUTION)
-    impulse_ratio.set(ylim=(-0.1, 0.6), ylabel=IMPULSE_RATIO)
-    energy_loss.set(ylim=(0.0, 0.8), ylabel=ENERGY_LOSS)
-    sheet.ticks(restitution.yaxis, (0.0, 0.5, 1.0, 1.5, 2.0))
-    looks_restitution = {
-        "spore on Formica": Series("[[series.spore on Formica.case.particle]]", 1),
-        "steel on Formica": Series("[[series.steel on Formica.case.particle]]", 0, open=True),
-        "spore on Formica, smooth": Series("[[series.spore on Formica.case.particle]]", 1),
-        "steel on Formica, smooth": Series(
-            "[[series.steel on Formica.case.particle]]", 0, line="dotted"
+    """Spores and steel on Formica."""
+    spore, steel = "spore on Formica", "steel on Formica"
+    more = {
+        f"{spore}, all rebounds": Series(
+            f"[[series.{spore}.case.particle]], all rebounds", 1, line="dashdot"
         ),
-        "spore on Formica, all rebounds": Series(
-            "[[series.spore on Formica.case.particle]], all rebounds", 1, line="dashdot"
+        f"{steel}, all rebounds": Series(
+            f"[[series.{steel}.case.particle]], all rebounds", 0, line="dashed"
         ),
-        "steel on Formica, all rebounds": Series(
-            "[[series.steel on Formica.case.particle]], all rebounds", 0, line="dashed"
-        ),
-        "printed, exceeded below": Series("_p", 0),
+        "printed, exceeded below": Series("_printed", 0),
     }
-    sheet.draw(restitution, looks_restitution, fixed=True)
-    looks_impulse_ratio = {
-        "spore on Formica": Series("[[series.spore on Formica.case.particle]]", 1),
-        "steel on Formica": Series("[[series.steel on Formica.case.particle]]", 0, open=True),
-        "spore on Formica, smooth": Series("[[series.spore on Formica.case.particle]]", 1),
-        "steel on Formica, smooth": Series(
-            "[[series.steel on Formica.case.particle]]", 0, line="dotted"
-        ),
-        "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
-    }
-    sheet.draw(impulse_ratio, looks_impulse_ratio, fixed=True)
-    looks_energy_loss = {
-        "spore on Formica": Series("[[series.spore on Formica.case.particle]]", 1),
-        "steel on Formica": Series("[[series.steel on Formica.case.particle]]", 0, open=True),
-        "spore on Formica, smooth": Series("[[series.spore on Formica.case.particle]]", 1),
-        "steel on Formica, smooth": Series(
-            "[[series.steel on Formica.case.particle]]", 0, line="dotted"
-        ),
-    }
-    sheet.draw(energy_loss, looks_energy_loss, fixed=True)
-    sheet.keys()
+    draw_coefficients(sheet, particles(spore, steel) | more, highest=(2.0, 0.6))
+    sheet.figure.axes[0].set_yticks((0.0, 0.5, 1.0, 1.5, 2.0))

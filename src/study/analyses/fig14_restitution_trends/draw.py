@@ -1,4 +1,4 @@
-"""Figures of fig14_restitution_trends."""
+"""Fig. 14: trends of the coefficients of restitution and adhesion."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ def draw_fig14(sheet: Sheet) -> None:
     (ax,) = sheet.panels(
         xlim=(0.0, 10.0), ylim=(0.0, 1.05), xlabel=NORMAL_SPEED, ylabel="Coefficient"
     )
-    looks = {
+    coefficients = {
         "body restitution": Series("$R$, without adhesion", line="dashed"),
         "adhesion": Series(r"$\rho$, adhesion", line="dashdot"),
         "overall restitution": Series(r"$e = R\,(1-\rho)$"),
         "capture velocity": Series("$v_c$, capture velocity", 6, line="dotted"),
     }
-    sheet.draw(ax, looks)
+    sheet.draw(ax, coefficients)
+    sheet.captured(ax, "capture velocity")  # after its line is drawn
     sheet.legend(ax, "center right")
     sheet.keys()
-    sheet.captured(ax, sheet.abscissae(ax, "capture velocity").max())

@@ -1,7 +1,8 @@
-"""Figures of fig15_16_restitution_fits."""
+"""Figs. 15, 16: restitution near capture, and fits of Eq. 34."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, Figure, Series
@@ -9,7 +10,10 @@ from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, Fig
 if TYPE_CHECKING:
     from study.figures.style import Sheet
 
-LOOKS_FIG15_RESTITUTION = {
+PANELS = {"restitution": "all speeds", "capture": "near capture, enlarged"}
+ENLARGED = {"capture": "restitution"}
+
+PAIRS = {
     "fluorescein-molybdenum, nominal, simulation": Series(
         "[[fluorescein-molybdenum, nominal.pair]]", 1, line="dashdotdot"
     ),
@@ -43,7 +47,7 @@ LOOKS_FIG15_RESTITUTION = {
     "printed, 1.1 m/s": Series("printed $v_c$ = 1.10 m/s", 6),
     "ammonium-fluorescein-mica, fit of points": Series("fit of the points", 2, line="dashdot"),
 }
-LOOKS_FIG16_RESTITUTION = {
+STEEL = {
     "steel-silicon, n = 0, simulation": Series("$n$ = 0, simulated", 0),
     "steel-silicon, n = 0, fit": Series("$n$ = 0, fit by Eq. 34", 0, line="dashed"),
     "steel-silicon, n = 0, fit of points": Series("$n$ = 0, fit of the points", 0, line="dashdot"),
@@ -52,6 +56,24 @@ LOOKS_FIG16_RESTITUTION = {
     "steel-silicon, n = 1, fit of points": Series("$n$ = 1, fit of the points", 1, line="dashdot"),
     "printed, 0.18 m/s": Series("printed $v_c$ = 0.18 m/s, met by calibration", 6),
 }
+
+
+def draw_fits(
+    sheet: Sheet,
+    series: Mapping[str, Series],
+    speeds: tuple[float, float],
+    near_capture: tuple[float, float],
+    ticks: tuple[float, ...],
+) -> None:
+    """Draw restitution at all speeds, and near capture with ticks of its own."""
+    restitution, capture = sheet.panels(xscale="log", xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
+    restitution.set(xlim=speeds, ylim=(0.0, 1.0))
+    capture.set(xlim=near_capture, ylim=(0.0, 0.5))
+    sheet.ticks(restitution.xaxis, (1, 2, 5), decades=True)
+    sheet.ticks(capture.xaxis, ticks)
+    for ax in (restitution, capture):
+        sheet.draw(ax, series, fixed=True)
+    sheet.keys()
 
 
 @Figure(
@@ -63,9 +85,9 @@ LOOKS_FIG16_RESTITUTION = {
         finds. Diamonds on the axis: printed capture velocities, in the order of the numbers
         in the legend.
     """,
-    {"restitution": "all speeds", "capture": "near capture, enlarged"},
+    PANELS,
     data=("fig15",),
-    views={"capture": "restitution"},
+    views=ENLARGED,
     equations="25, 34",
     article="""
         Points measured by others, with fits of the empirical equations: polystyrene latex
@@ -88,15 +110,9 @@ LOOKS_FIG16_RESTITUTION = {
     height_mm=95.0,
 )
 def draw_fig15(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    restitution, capture = sheet.panels(xscale="log", xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
-    restitution.set(xlim=(0.6, 30.0), ylim=(0.0, 1.0))
-    capture.set(xlim=(0.85, 2.2), ylim=(0.0, 0.5))
-    sheet.ticks(capture.xaxis, (0.9, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0))
-    sheet.steps(restitution.xaxis, 1.0, 2.0, 5.0)
-    sheet.draw(restitution, LOOKS_FIG15_RESTITUTION, fixed=True)
-    sheet.draw(capture, LOOKS_FIG15_RESTITUTION, fixed=True)
-    sheet.keys()
+    """Pairs that others measured."""
+    ticks = 0.9, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0
+    draw_fits(sheet, PAIRS, (0.6, 30.0), (0.85, 2.2), ticks)
 
 
 @Figure(
@@ -107,9 +123,9 @@ def draw_fig15(sheet: Sheet) -> None:
         fitted by Eq. 34 with all constants free. A fitted curve begins at the capture
         velocity that the fit finds.
     """,
-    {"restitution": "all speeds", "capture": "near capture, enlarged"},
+    PANELS,
     data=("fig16",),
-    views={"capture": "restitution"},
+    views=ENLARGED,
     equations="25, 34",
     article="""
         A simulation of steel on silicon, based on measured points, and the fit of the
@@ -130,12 +146,5 @@ def draw_fig15(sheet: Sheet) -> None:
     contact=TWO_STAGES,
 )
 def draw_fig16(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    restitution, capture = sheet.panels(xscale="log", xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
-    restitution.set(xlim=(0.12, 3.0), ylim=(0.0, 1.0))
-    capture.set(xlim=(0.16, 0.24), ylim=(0.0, 0.5))
-    sheet.ticks(capture.xaxis, (0.16, 0.18, 0.2, 0.22, 0.24))
-    sheet.steps(restitution.xaxis, 1.0, 2.0, 5.0)
-    sheet.draw(restitution, LOOKS_FIG16_RESTITUTION, fixed=True)
-    sheet.draw(capture, LOOKS_FIG16_RESTITUTION, fixed=True)
-    sheet.keys()
+    """Steel on silicon, by the rate exponent of the adhesion damping."""
+    draw_fits(sheet, STEEL, (0.12, 3.0), (0.16, 0.24), (0.16, 0.18, 0.2, 0.22, 0.24))

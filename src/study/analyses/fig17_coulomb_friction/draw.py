@@ -1,10 +1,10 @@
-"""Figures of fig17_coulomb_friction."""
+"""Fig. 17: impulse ratio for Coulomb friction in the rigid body model."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import IMPULSE_RATIO, Figure, Series
+from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, Figure, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
@@ -36,27 +36,26 @@ if TYPE_CHECKING:
     height_mm=74.0,
 )
 def draw_fig17(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    friction, spin = sheet.panels(ylim=(-0.2, 0.25), ylabel=IMPULSE_RATIO)
-    sheet.over_angle(friction, spin)
+    """Impulse ratio by friction coefficient, and by spin before impact."""
+    friction, spin = sheet.panels(**OVER_ANGLE, ylim=(-0.2, 0.25), ylabel=IMPULSE_RATIO)
     for ax in (friction, spin):
         sheet.level(ax, 0.0)
-    looks_friction = {
+    coefficients = {
         "0.05": Series("$f$ = 0.05", 0, beside=10),
         "0.1": Series("$f$ = 0.10", 1, beside=10),
         "0.15": Series("$f$ = 0.15", 2, beside=10),
         "0.2": Series("$f$ = 0.20", 3, beside=10),
         "impulse_ratio_normal_incidence_no_spin": Series(r"$\mu$ = 0 at 90°", 6),
     }
-    sheet.draw(friction, looks_friction)
+    sheet.draw(friction, coefficients)
     sheet.legend(friction, "lower left")
-    looks_spin = {
+    spins = {
         "-0.4": Series("$-$0.4", 0, line="dashed"),
         "-0.2": Series("$-$0.2", 5, line="dotted"),
         "0": Series("0", 2),
         "0.2": Series("0.2", 4, line="dashdot"),
         "0.4": Series("0.4", 1, line="long dashed"),
     }
-    sheet.draw(spin, looks_spin)
+    sheet.draw(spin, spins)
     sheet.legend(spin, "lower left", r"$r\omega/v$ before impact")
     sheet.keys()

@@ -1,10 +1,17 @@
-"""Figures of fig18_21_oblique_impact."""
+"""Figs. 18, 21: impulse ratio and energy loss of the simulation against the angle."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import ENERGY_LOSS, IMPULSE_RATIO, TWO_STAGES, Figure, Series
+from study.figures.declaration import (
+    ENERGY_LOSS,
+    IMPULSE_RATIO,
+    OVER_ANGLE,
+    TWO_STAGES,
+    Figure,
+    Series,
+)
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
@@ -40,29 +47,25 @@ if TYPE_CHECKING:
 )
 def draw_fig18(sheet: Sheet) -> None:
     """Curves against the angle; shaded where the sphere is captured."""
-    adhesion, basis = sheet.panels(ylabel=IMPULSE_RATIO)
-    sheet.over_angle(adhesion, basis)
-    adhesion.set(ylim=(0.0, 0.4))
-    basis.set(ylim=(0.0, 0.6))
-    looks_adhesion = {
+    models = {
         "simulation": Series("dynamic simulation", 0),
         "rigid body": Series("rigid body model", 1, line="dashed"),
         "virtual experiment": Series("virtual experiment", 6),
         "printed plateau": Series("ends of the printed plateau", 6),
         "posterior": Series("drawn contacts, 5 to 95 %", 0, band=True),
     }
-    sheet.draw(adhesion, looks_adhesion, omit="capture")
-    sheet.legend(adhesion, "upper right")
-    looks_basis = {
+    forces = {
         "compressive": Series("compressive part of the normal force", 0),
         "hertz": Series("Hertz force alone", 2, line="dashdot"),
         "net": Series("net normal force", 3, line="dotted"),
     }
-    sheet.draw(basis, looks_basis, omit="capture")
-    sheet.legend(basis, "upper right")
+    axes = sheet.panels(**OVER_ANGLE, ylabel=IMPULSE_RATIO)
+    for ax, series, highest in zip(axes, (models, forces), (0.4, 0.6), strict=True):
+        ax.set_ylim(0.0, highest)
+        sheet.captured(ax, "capture")
+        sheet.draw(ax, series)
+        sheet.legend(ax, "upper right")
     sheet.keys()
-    for ax in (adhesion, basis):
-        sheet.captured(ax, sheet.abscissae(ax, "capture").max())
 
 
 @Figure(
@@ -99,21 +102,19 @@ def draw_fig18(sheet: Sheet) -> None:
 )
 def draw_fig21(sheet: Sheet) -> None:
     """Losses against the angle; between the two, shaded, is the energy of spin."""
-    (ax,) = sheet.panels(ylim=(0.0, 0.6), ylabel=ENERGY_LOSS)
-    sheet.over_angle(ax)
-    looks = {
+    (ax,) = sheet.panels(**OVER_ANGLE, ylim=(0.0, 0.6), ylabel=ENERGY_LOSS)
+    losses = {
         "total": Series("all kinetic energy", 0),
         "translational": Series("translational energy alone", 1, line="dashed"),
         "virtual experiment": Series("virtual experiment", 6),
         "posterior": Series("drawn contacts, 5 to 95 %", 1, line="dotted", band=True),
     }
-    sheet.draw(ax, looks, omit="capture")
+    sheet.captured(ax, "capture")
+    sheet.draw(ax, losses)
+    rows = sheet.tables["fig21"]
+    angle, total = rows[rows["series"] == "total"].iloc[:, 3:5].to_numpy(float).T
+    moved = rows.loc[rows["series"] == "translational"].iloc[:, 4]
+    spin = "energy of the final spin"
+    ax.fill_between(angle, total, moved, label=spin, color="0.85", linewidth=0, zorder=0)
     sheet.legend(ax, "lower right")
     sheet.keys()
-    sheet.captured(ax, sheet.abscissae(ax, "capture").max())
-    rows = sheet.tables["fig21"]
-    total, moved = (rows[rows["series"] == name] for name in ("total", "translational"))
-    ends = total.iloc[:, 4].to_numpy(), moved.iloc[:, 4].to_numpy()
-    spin = "energy of the final spin"
-    ax.fill_between(total.iloc[:, 3], *ends, label=spin, color="0.85", linewidth=0, zorder=0)
-    ax.legend(loc="lower right")

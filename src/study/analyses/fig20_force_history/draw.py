@@ -1,4 +1,4 @@
-"""Figures of fig20_force_history."""
+"""Fig. 20: normal force during an impact, and its terms."""
 
 from __future__ import annotations
 
@@ -8,15 +8,6 @@ from study.figures.declaration import Figure, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
-
-LOOKS_FIG20_FORCE = {
-    "total": Series("net force", 6),
-    "hertz": Series("Hertz force", 0, line="dashed"),
-    "adhesion": Series("adhesion", 1, line="dashdot"),
-    "adhesion damping": Series("damping of adhesion", 3, line="dotted"),
-    "hertz damping": Series("damping of Hertz force", 2, line="long dashed"),
-    "posterior": Series("net force of drawn contacts, 5 to 95 %", 6, band=True),
-}
 
 
 @Figure(
@@ -45,12 +36,19 @@ LOOKS_FIG20_FORCE = {
     """,
 )
 def draw_fig20(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
+    """Force against time: the whole contact, and its attraction enlarged."""
     force, dips = sheet.panels(xlim=(0.0, 55.0), xlabel="Time $t$ (ns)", ylabel="Normal force (µN)")
     force.set(ylim=(-40.0, 80.0))
     dips.set(ylim=(-12.0, 12.0))
+    terms = {
+        "total": Series("net force", 6),
+        "hertz": Series("Hertz force", 0, line="dashed"),
+        "adhesion": Series("adhesion", 1, line="dashdot"),
+        "adhesion damping": Series("damping of adhesion", 3, line="dotted"),
+        "hertz damping": Series("damping of Hertz force", 2, line="long dashed"),
+        "posterior": Series("net force of drawn contacts, 5 to 95 %", 6, band=True),
+    }
     for ax in (force, dips):
         sheet.level(ax, 0.0)
-    sheet.draw(force, LOOKS_FIG20_FORCE)
-    sheet.draw(dips, LOOKS_FIG20_FORCE, fixed=True)
+        sheet.draw(ax, terms, fixed=ax is dips)
     sheet.keys()

@@ -1,21 +1,13 @@
-"""Figures of fig23_monte_carlo."""
+"""Fig. 23: Monte Carlo means of restitution and impulse ratio on a rough surface."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import IMPULSE_RATIO, TWO_STAGES, Figure, Series
+from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, TWO_STAGES, Figure, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
-
-LOOKS_FIG23_RESTITUTION = {
-    "smooth": Series("smooth surface", 6, line="dashed"),
-    "equal weights": Series("rough, facets equally likely", 0),
-    "facets by area seen": Series("rough, weighted by projected area", 1, line="dashdot"),
-    "measured means": Series("95 % of means of [[events_measured]] events", 0, band=True),
-    "steel on Formica": Series("virtual experiments of Fig. 12", 6, open=True),
-}
 
 
 @Figure(
@@ -58,14 +50,18 @@ LOOKS_FIG23_RESTITUTION = {
     },
 )
 def draw_fig23(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    restitution, impulse_ratio = sheet.panels()
-    sheet.over_angle(restitution, impulse_ratio)
-    restitution.set(
-        ylim=(-0.6, 1.8),
-        ylabel=sheet.fill("Relative restitution $e - e([[reference_angle_deg:.0f]]°)$"),
-    )
+    """Means against the angle, on a smooth surface and on rough ones."""
+    restitution, impulse_ratio = sheet.panels(**OVER_ANGLE)
+    relative = sheet.fill("Relative restitution $e - e([[reference_angle_deg:.0f]]°)$")
+    restitution.set(ylim=(-0.6, 1.8), ylabel=relative)
     impulse_ratio.set(ylim=(-0.1, 0.4), ylabel=IMPULSE_RATIO)
-    sheet.draw(restitution, LOOKS_FIG23_RESTITUTION, fixed=True)
-    sheet.draw(impulse_ratio, LOOKS_FIG23_RESTITUTION)
+    surfaces = {
+        "smooth": Series("smooth surface", 6, line="dashed"),
+        "equal weights": Series("rough, facets equally likely", 0),
+        "facets by area seen": Series("rough, weighted by projected area", 1, line="dashdot"),
+        "measured means": Series("95 % of means of [[events_measured]] events", 0, band=True),
+        "steel on Formica": Series("virtual experiments of Fig. 12", 6, open=True),
+    }
+    for ax in (restitution, impulse_ratio):
+        sheet.draw(ax, surfaces, fixed=ax is restitution)
     sheet.keys()

@@ -1,4 +1,4 @@
-"""Figures of fig24_25_doe."""
+"""Figs. 24, 25: effects of five factors on the capture velocity."""
 
 from __future__ import annotations
 

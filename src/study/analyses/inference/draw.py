@@ -1,4 +1,4 @@
-"""Figures of inference."""
+"""Figures evidence and posterior_bands: contacts that the printed statements prefer, by law."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from study.figures.declaration import (
     CAPTURE_VELOCITY,
     NORMAL_SPEED,
     RESTITUTION,
+    STEEL_LAWS,
     TWO_STAGES,
     WORK_OF_ADHESION,
     Figure,
@@ -15,6 +16,7 @@ from study.figures.declaration import (
 )
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
     from study.figures.style import Sheet
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
 APART = 0.19
 FEW = "few contacts"
 BOLD: dict[str, Any] = {"linewidth": 1.6, "markersize": 4.0}
+PRINTED: dict[str, Any] = {"color": "0.4", "linewidth": 0.8, "linestyle": "dotted", "zorder": 0}
 GREY: dict[str, Any] = {"color": "0.7", "markerfacecolor": "white", "marker": "X"}
 SYMBOLS = {"v_c": "$v_c$", "w_A": "$w_A$", "c_A": "$c_A$", "n to": "$n$ to", "J/m2": "J/m$^2$"}
 HEADS = {"scenario": "Scenarios", "without": "One statement less", "choice": "Other choices"}
@@ -35,24 +38,6 @@ LAWS: dict[str, tuple[str, dict[str, Any]]] = {
     "JKR, viscous": ("JKR, viscous", {"marker": "D", "color": "C1"}),
     "Thornton and Ning": ("Thornton and Ning", {"marker": "v", "color": "C3"}),
     "hysteresis": ("hysteresis of adhesion", {"marker": "P", "color": "C4"}),
-}
-LOOKS_POSTERIOR_BANDS_STEEL_SILICON_WITHOUT_THE_PRINTED_V_C = {
-    "ring force, n free": Series("ring force, $n$ from 0 to 2", 0),
-    "ring force, n = 0": Series("ring force, $n$ = 0", 2, line="dashed"),
-    "JKR, viscous": Series("JKR, viscous", 1, line="dashdot"),
-    "steel-silicon, n = 0": Series("two stages, $n$ = 0", 6, line="dotted"),
-    "steel-silicon, n = 1": Series("two stages, $n$ = 1", 6, line="loose dashed"),
-    "printed for oblique impact": Series("printed for oblique impact", 6),
-    "printed": Series("printed $v_c$", 6, open=True),
-}
-LOOKS_POSTERIOR_BANDS_FLUORESCEIN_MOLYBDENUM_WITHOUT_THE_PRINTED_V_C = {
-    "ring force": Series("ring force, $n$ from 0 to 2", 0),
-    "fluorescein-molybdenum, least": Series("force ratios, least $v_c$", 6, line="dotted"),
-    "fluorescein-molybdenum, nominal": Series("force ratios, nominal", 6, line="dashed"),
-    "fluorescein-molybdenum, greatest": Series(
-        "force ratios, greatest $v_c$", 6, line="long dashed"
-    ),
-    "printed": Series("printed $v_c$", 6, open=True),
 }
 
 
@@ -100,23 +85,26 @@ def draw_evidence(sheet: Sheet) -> None:
     velocity, work = sheet.panels(xscale="log")
     velocity.set(xlim=(0.008, 0.4), xlabel=CAPTURE_VELOCITY)
     work.set(xlim=(0.002, 12.0), xlabel=WORK_OF_ADHESION)
-    sheet.steps(velocity.xaxis, 1.0, 3.0)
-    sheet.steps(work.xaxis, 1.0)
-    for ax in (velocity, work):
-        _draw_lines(sheet, ax, is_first=ax is velocity)
+    sheet.ticks(velocity.xaxis, (1, 3), decades=True)
+    sheet.ticks(work.xaxis, (1,), decades=True)
+    limits, works = sheet.tables.values()
+    _draw_lines(velocity, limits, named=True)
+    _draw_lines(work, works, named=False)
     style.legend_above(sheet.figure, (velocity, work))
 
 
-def _draw_lines(sheet: Sheet, ax: Axes, *, is_first: bool) -> None:
+def _draw_lines(ax: Axes, table: pd.DataFrame, *, named: bool) -> None:
+    """Draw the intervals of one quantity; the lines are named at the left one only."""
     from matplotlib.ticker import NullLocator
 
     from study.figures import style
 
-    table = sheet.rows(str(ax.get_label()))
     is_printed = table["evidence"] == "printed"
+    for value in table.loc[is_printed].iloc[:, 4]:
+        ax.axvline(value, label="printed $v_c$", **PRINTED)
     names = table.loc[~is_printed, "series"].str.split("; ", expand=True)
     rows = table[~is_printed].assign(kind=names[0], line=names[1], law=names[2])
-    is_grey = rows["series"].str.endswith(FEW)
+    is_few = rows["series"].str.endswith(FEW)
     lines = rows.drop_duplicates("x_1")
     # A head of its own opens each kind.
     kinds = list(dict.fromkeys(lines["kind"]))
@@ -127,27 +115,22 @@ def _draw_lines(sheet: Sheet, ax: Axes, *, is_first: bool) -> None:
         words, look = LAWS[law]
         shift = APART * (number - 0.5 * (len(laws) - 1))
         for grey, label in (({}, words), (GREY, "from few contacts")):
-            part = rows[(rows["law"] == law) & (is_grey == bool(grey))]
+            part = rows[(rows["law"] == law) & (is_few == bool(grey))]
             middle, low, high = part.iloc[:, 4], part["y_low"], part["y_high"]
             y, error = part["x_1"].map(height) + shift, [middle - low, high - middle]
             if len(part):
                 ax.errorbar(middle, y, xerr=error, capsize=0.0, label=label, **LINE | look | grey)
-    for value in table.loc[is_printed].iloc[:, 4]:
-        ax.axvline(
-            value, color="0.4", linewidth=0.8, linestyle="dotted", zorder=0, label="printed $v_c$"
-        )
-    ax.set_ylim(max(heights) + 0.6, min(heights) - 1.6)
     ax.set_xlim(style.widened(ax.get_xlim(), rows.iloc[:, [4, 5, 6]].to_numpy(float), log=True))
+    ax.set_ylim(max(heights) + 0.6, min(heights) - 1.6)
     heads = [float(heights[lines["kind"] == kind].min()) - 1.0 for kind in kinds]
     for head in heads:
         ax.axhline(head, color="0.85", linewidth=0.6, zorder=0)
-    ax.tick_params(axis="y", length=0)
-    ax.yaxis.set_minor_locator(NullLocator())
-    ax.set_ylabel("")
-    names_of_lines = [*lines["line"], *(HEADS[kind] for kind in kinds)] if is_first else []
+    words_of_lines = [*lines["line"], *(HEADS[kind] for kind in kinds)] if named else []
     for name, symbol in SYMBOLS.items():
-        names_of_lines = [line.replace(name, symbol) for line in names_of_lines]
-    ax.set_yticks([*heights, *heads], names_of_lines)
+        words_of_lines = [words.replace(name, symbol) for words in words_of_lines]
+    ax.set_yticks([*heights, *heads], words_of_lines)
+    ax.yaxis.set_minor_locator(NullLocator())
+    ax.tick_params(axis="y", length=0)
     for tick in ax.get_yticklabels()[len(heights) :]:
         tick.set_fontweight("bold")
 
@@ -186,38 +169,26 @@ def _draw_lines(sheet: Sheet, ax: Axes, *, is_first: bool) -> None:
     columns=2,
 )
 def draw_posterior_bands(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    (
-        steel_silicon_without_the_printed_v_c,
-        steel_silicon_with_the_printed_v_c,
-        fluorescein_molybdenum_without_the_printed_v_c,
-        fluorescein_molybdenum_with_the_printed_v_c,
-    ) = sheet.panels(xscale="log", ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
-    steel_silicon_without_the_printed_v_c.set(xlim=(0.02, 3.0))
-    steel_silicon_with_the_printed_v_c.set(xlim=(0.02, 3.0))
-    fluorescein_molybdenum_without_the_printed_v_c.set(xlim=(0.3, 30.0))
-    fluorescein_molybdenum_with_the_printed_v_c.set(xlim=(0.3, 30.0))
-    for ax in (
-        steel_silicon_without_the_printed_v_c,
-        steel_silicon_with_the_printed_v_c,
-        fluorescein_molybdenum_without_the_printed_v_c,
-        fluorescein_molybdenum_with_the_printed_v_c,
-    ):
-        sheet.steps(ax.xaxis, 1.0, 3.0)
-    sheet.draw(
-        steel_silicon_without_the_printed_v_c,
-        LOOKS_POSTERIOR_BANDS_STEEL_SILICON_WITHOUT_THE_PRINTED_V_C,
-    )
-    sheet.draw(
-        steel_silicon_with_the_printed_v_c,
-        LOOKS_POSTERIOR_BANDS_STEEL_SILICON_WITHOUT_THE_PRINTED_V_C,
-    )
-    sheet.draw(
-        fluorescein_molybdenum_without_the_printed_v_c,
-        LOOKS_POSTERIOR_BANDS_FLUORESCEIN_MOLYBDENUM_WITHOUT_THE_PRINTED_V_C,
-    )
-    sheet.draw(
-        fluorescein_molybdenum_with_the_printed_v_c,
-        LOOKS_POSTERIOR_BANDS_FLUORESCEIN_MOLYBDENUM_WITHOUT_THE_PRINTED_V_C,
-    )
+    """Bands of restitution of each law, without and with the printed capture velocity."""
+    printed = {
+        "printed for oblique impact": Series("printed for oblique impact", 6),
+        "printed": Series("printed $v_c$", 6, open=True),
+    }
+    fluorescein = {
+        "ring force": Series("ring force, $n$ from 0 to 2", 0),
+        "fluorescein-molybdenum, least": Series("force ratios, least $v_c$", 6, line="dotted"),
+        "fluorescein-molybdenum, nominal": Series("force ratios, nominal", 6, line="dashed"),
+        "fluorescein-molybdenum, greatest": Series(
+            "force ratios, greatest $v_c$", 6, line="long dashed"
+        ),
+    }
+    axes = sheet.panels(xscale="log", ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
+    for ax in axes[:2]:
+        ax.set_xlim(0.02, 3.0)
+        sheet.draw(ax, STEEL_LAWS | printed)
+    for ax in axes[2:]:
+        ax.set_xlim(0.3, 30.0)
+        sheet.draw(ax, fluorescein | printed)
+    for ax in axes:
+        sheet.ticks(ax.xaxis, (1, 3), decades=True)
     sheet.keys()

@@ -1,10 +1,10 @@
-"""Figures of interval_coverage."""
+"""Figure coverage_of_means: how often an interval contains the mean restitution."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import NOMINAL_SPEED, TWO_STAGES, Figure, Series
+from study.figures.declaration import NOMINAL_SPEED, OVER_ANGLE, TWO_STAGES, Figure, Mark, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
@@ -42,39 +42,29 @@ if TYPE_CHECKING:
     height_mm=75.0,
 )
 def draw_coverage_of_means(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
+    """Coverage against the speed at normal incidence, and against the angle."""
     speed, angle = sheet.panels(ylim=(0.0, 102.0), ylabel="Intervals that contain the mean (%)")
-    sheet.over_angle(angle)
+    nominal = {"nominal": Series("nominal level", 6, line="dotted")}
     speed.set(xlim=(0.2, 1.4), xlabel=NOMINAL_SPEED)
-    looks_speed = {
-        "smooth, normal: events that can be measured": Series("of measurable events", 0),
-        "smooth, normal: all rebounds": Series("of all rebounds", 0, open=True),
-        "nominal": Series("nominal level", 6, line="dotted"),
-    }
-    sheet.draw(speed, looks_speed, joined=True)
+    sheet.draw(speed, both_means("smooth, normal", "", 0) | nominal, joined=True)
     sheet.legend(speed, "center right")
-    looks_angle = {
-        "smooth, oblique: events that can be measured": Series("smooth, of measurable events", 0),
-        "smooth, oblique: all rebounds": Series("smooth, of all rebounds", 0, open=True),
-        "rough, oblique: events that can be measured": Series(
-            "rough, of measurable events", 1, mark="square"
-        ),
-        "rough, oblique: all rebounds": Series(
-            "rough, of all rebounds", 1, mark="square", open=True
-        ),
-        "slow, oblique: events that can be measured": Series(
-            "[[cases.slow, oblique.speeds_m_per_s.0:.2f]] m/s, of measurable events",
-            2,
-            mark="triangle",
-        ),
-        "slow, oblique: all rebounds": Series(
-            "[[cases.slow, oblique.speeds_m_per_s.0:.2f]] m/s, of all rebounds",
-            2,
-            mark="triangle",
-            open=True,
-        ),
-        "nominal": Series("nominal level", 6, line="dotted"),
+    angle.set(**OVER_ANGLE)
+    slow = "[[cases.slow, oblique.speeds_m_per_s.0:.2f]] m/s, "
+    oblique = {
+        **both_means("smooth, oblique", "smooth, ", 0),
+        **both_means("rough, oblique", "rough, ", 1, "square"),
+        **both_means("slow, oblique", slow, 2, "triangle"),
     }
-    sheet.draw(angle, looks_angle, joined=True)
+    sheet.draw(angle, oblique | nominal, joined=True)
     sheet.legend(angle, "lower center")
     sheet.keys()
+
+
+def both_means(case: str, words: str, colour: int, mark: Mark = "circle") -> dict[str, Series]:
+    """Return the series of one case: the mean that can be measured, and that of all rebounds."""
+    return {
+        f"{case}: events that can be measured": Series(
+            f"{words}of measurable events", colour, mark=mark
+        ),
+        f"{case}: all rebounds": Series(f"{words}of all rebounds", colour, mark=mark, open=True),
+    }

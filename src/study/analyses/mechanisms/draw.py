@@ -1,17 +1,10 @@
-"""Figures of mechanisms."""
+"""Figure causes: mechanisms proposed for the measured means, each alone."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import (
-    ANGLE,
-    MEAN_IMPULSE_RATIO,
-    MEAN_MEASURED_RESTITUTION,
-    TWO_STAGES,
-    Figure,
-    Series,
-)
+from study.figures.declaration import ANGLE, OVER_ANGLE, TWO_STAGES, Figure, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
@@ -65,28 +58,20 @@ if TYPE_CHECKING:
     columns=2,
 )
 def draw_causes(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
+    """A panel per cause: spin, slopes of the surface, shape of the particle, adhesion."""
     spin, slope, spore, shallow = sheet.panels()
-    sheet.over_angle(spore)
-    spin.set(xlim=(15.0, 90.0), ylim=(-0.45, 0.25), xlabel=ANGLE, ylabel=MEAN_IMPULSE_RATIO)
-    slope.set(
-        xlim=(0.0, 0.25),
-        ylim=(0.5, 1.6),
-        xlabel="Standard deviation of the slope (rad)",
-        ylabel=MEAN_MEASURED_RESTITUTION,
-    )
-    spore.set(ylim=(0.2, 2.0), ylabel=MEAN_MEASURED_RESTITUTION)
-    shallow.set(
-        xlim=(0.0, 1.2),
-        ylim=(0.14, 0.22),
-        xlabel=r"Normal speed $v \sin\alpha$ (m/s)",
-        ylabel=MEAN_IMPULSE_RATIO,
-    )
-    sheet.ticks(spin.xaxis, (15, 30, 45, 60, 75, 90))
-    sheet.level(spin, 0.0)
-    for ax in (slope, spore):
+    spin.set(xlim=(15.0, 90.0), xticks=(15, 30, 45, 60, 75, 90), xlabel=ANGLE)
+    slope.set(xlim=(0.0, 0.25), xlabel="Standard deviation of the slope (rad)")
+    spore.set(**OVER_ANGLE)
+    shallow.set(xlim=(0.0, 1.2), xlabel=r"Normal speed $v \sin\alpha$ (m/s)")
+    for ax, ylim in ((spin, (-0.45, 0.25)), (shallow, (0.14, 0.22))):
+        ax.set(ylim=ylim, ylabel=r"Mean impulse ratio $-\mu$")
+    for ax, ylim in ((slope, (0.5, 1.6)), (spore, (0.2, 2.0))):
+        ax.set(ylim=ylim, ylabel="Mean measured restitution $e_m$")
         sheet.level(ax, 1.0)
-    looks_spin = {
+    sheet.level(spin, 0.0)
+
+    spins = {
         "mean 0, sd 0": Series("none", 6),
         "mean 0, sd 0.25": Series("mean 0, sd 0.25", 1, line="dashed"),
         "mean 0, sd 0.5": Series("mean 0, sd 0.5", 1, line="dashdot"),
@@ -95,38 +80,37 @@ def draw_causes(sheet: Sheet) -> None:
         "mean 0.5, sd 0.1": Series("mean 0.5", 2, line="dotted"),
         "mean 0.9, sd 0.1": Series("mean 0.9", 2, side="below", beside=60),
     }
-    sheet.draw(spin, looks_spin)
+    sheet.draw(spin, spins)
     sheet.legend(spin, "lower left", r"spin $r\omega/v$")
-    looks_slope = {
+
+    angles = {
         "15 deg": Series("15°", 3),
         "20 deg": Series("20°", 2, line="dashed"),
         "45 deg": Series("45°", 1, line="dashdot"),
         "85 deg": Series("85°", 0, line="dotted"),
     }
-    sheet.draw(slope, looks_slope)
+    sheet.draw(slope, angles)
     sheet.legend(slope, "upper left", "angle of incidence")
-    looks_spore = {
+
+    steep = "slopes of [[spore.spore.particle_slope:g]] rad"
+    shapes = {
         "none": Series("smooth", 6, line="dashdot"),
-        "slopes": Series("slopes of [[spore.spore.particle_slope:g]] rad", 2),
+        "slopes": Series(steep, 2),
         "slopes of 0.06": Series("slopes of 0.06 rad", 2, line="dashed"),
         "off centre, 0.2": Series("contact off centre, 0.2 $r$", 1, line="dotted"),
-        "slopes, seen by the camera": Series(
-            "slopes of [[spore.spore.particle_slope:g]] rad, as imaged", 2
-        ),
+        "slopes, seen by the camera": Series(f"{steep}, as imaged", 2),
         "printed": Series("printed", 6),
     }
-    sheet.draw(spore, looks_spore, fixed=True)
+    sheet.draw(spore, shapes, fixed=True)
     sheet.legend(spore, "upper right")
-    looks_shallow = {
-        "adhesion, fast": Series("adhesion, [[shallow.speeds_m_per_s.1:.2f]] m/s", 0),
-        "adhesion, slow": Series(
-            "adhesion, [[shallow.speeds_m_per_s.0:.2f]] m/s", 4, line="dashed"
-        ),
-        "slopes, fast": Series(
-            "slopes, [[shallow.speeds_m_per_s.1:.2f]] m/s", 2, line="long dashed"
-        ),
-        "slopes, slow": Series("slopes, [[shallow.speeds_m_per_s.0:.2f]] m/s", 3, line="dotted"),
+
+    slow, fast = (f"[[shallow.speeds_m_per_s.{number}:.2f]] m/s" for number in (0, 1))
+    causes = {
+        "adhesion, fast": Series(f"adhesion, {fast}", 0),
+        "adhesion, slow": Series(f"adhesion, {slow}", 4, line="dashed"),
+        "slopes, fast": Series(f"slopes, {fast}", 2, line="long dashed"),
+        "slopes, slow": Series(f"slopes, {slow}", 3, line="dotted"),
     }
-    sheet.draw(shallow, looks_shallow)
+    sheet.draw(shallow, causes)
     sheet.legend(shallow, "upper right")
     sheet.keys()

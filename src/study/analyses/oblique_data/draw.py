@@ -1,21 +1,13 @@
-"""Figures of oblique_data."""
+"""Figure oblique_rebounds: rebounds that others measured, and three laws of the contact."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import ANGLE, TWO_STAGES, Figure, Series
+from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
-
-LOOKS_OBLIQUE_REBOUNDS_VELOCITY = {
-    "rigid": Series("rigid", 0, line="dashdot"),
-    "mindlin": Series("Mindlin", 1),
-    "spring": Series("spring (DEM)", 2, line="dashed"),
-    "Kharaz et al. 2001, reading A": Series("Kharaz et al. 2001, reading A", 6),
-    "Kharaz et al. 2001, reading B": Series("Kharaz et al. 2001, reading B", 4),
-}
 
 
 @Figure(
@@ -56,22 +48,16 @@ LOOKS_OBLIQUE_REBOUNDS_VELOCITY = {
     },
 )
 def draw_oblique_rebounds(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    velocity, spin, contact_point = sheet.panels()
-    velocity.set(xlim=(0.0, 90.0), ylim=(0.5, 1.0), xlabel=ANGLE, ylabel="$V_t/v_t$")
-    spin.set(xlim=(0.0, 90.0), ylim=(0.0, 700.0), xlabel=ANGLE, ylabel="Spin (rad/s)")
-    contact_point.set(
-        xlim=(0.0, 2.0),
-        ylim=(-0.6, 0.6),
-        xlabel="Slip / slip that friction just stops",
-        ylabel=r"$-(V_t - r\Omega)/(v_t - r\omega)$",
-    )
+    """Velocity and spin against the angle, and the contact point against the slip."""
+    velocity, spin, contact_point = axes = sheet.panels()
+    velocity.set(**OVER_ANGLE, ylim=(0.5, 1.0), ylabel="$V_t/v_t$")
+    spin.set(**OVER_ANGLE, ylim=(0.0, 700.0), ylabel="Spin (rad/s)")
     for ax in (velocity, spin):
-        sheet.ticks(ax.xaxis, (0.0, 30.0, 60.0, 90.0))
+        ax.set_xticks((0, 30, 60, 90))
+    contact_point.set(xlim=(0.0, 2.0), xlabel="Slip / slip that friction just stops")
+    contact_point.set(ylim=(-0.6, 0.6), ylabel=r"$-(V_t - r\Omega)/(v_t - r\omega)$")
     sheet.level(contact_point, 0.0)
-    sheet.draw(velocity, LOOKS_OBLIQUE_REBOUNDS_VELOCITY)
-    sheet.draw(spin, LOOKS_OBLIQUE_REBOUNDS_VELOCITY)
-    looks_contact_point = {
+    laws = {
         "rigid": Series("rigid", 0, line="dashdot"),
         "mindlin": Series("Mindlin", 1),
         "spring": Series("spring (DEM)", 2, line="dashed"),
@@ -80,5 +66,6 @@ def draw_oblique_rebounds(sheet: Sheet) -> None:
         "microspheres": Series("Mindlin, [[microspheres.case]]", 6, line="dotted"),
         "article": Series("article, about [[microspheres.transition_deg:g]]°", 6),
     }
-    sheet.draw(contact_point, looks_contact_point)
+    for ax in axes:
+        sheet.draw(ax, laws)
     sheet.keys()

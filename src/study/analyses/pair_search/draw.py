@@ -1,4 +1,4 @@
-"""Figures of pair_search."""
+"""Figure doppler_pairs: pairs in the records of a virtual analyser, and their correction."""
 
 from __future__ import annotations
 
@@ -8,13 +8,6 @@ from study.figures.declaration import NOMINAL_SPEED, NORMAL_SPEED, TWO_STAGES, F
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
-
-HEIGHTS = {
-    "h = 0.5 mm": Series("$h$ = 0.5 mm", 0, open=True),
-    "h = 1 mm": Series("$h$ = 1 mm", 2, mark="square"),
-    "h = 2 mm": Series("$h$ = 2 mm", 4, mark="triangle"),
-    "h = 5 mm": Series("$h$ = 5 mm", 3),
-}
 
 
 @Figure(
@@ -59,37 +52,33 @@ HEIGHTS = {
 def draw_doppler_pairs(sheet: Sheet) -> None:
     """A stretch of the stream with its pairs as lines, and curves against speed."""
     stream, precision, recall, seen, correction = sheet.panels()
-    stream.set(
-        xlim=(0.0, 100.0), ylim=(-0.9, 2.2), xlabel="Time (ms)", ylabel="Vertical velocity (m/s)"
-    )
-    precision.set(
-        xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Precision"
-    )
-    recall.set(
-        xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Recall"
-    )
-    seen.set(
-        xscale="log", xlim=(0.25, 2.0), ylim=(0.0, 1.05), xlabel=NOMINAL_SPEED, ylabel="Share found"
-    )
-    correction.set(
-        xscale="log",
-        xlim=(0.15, 6.0),
-        ylim=(-0.14, 0.08),
-        xlabel=NORMAL_SPEED,
-        ylabel="Bias of $e$",
-    )
-    for ax in (precision, recall, seen):
-        sheet.ticks(ax.xaxis, (0.3, 0.4, 0.5, 0.75, 1.66))
-    sheet.ticks(correction.xaxis, (0.2, 0.5, 1.0, 2.0, 5.0))
-    looks_stream = {
+    stream.set(xlim=(0.0, 100.0), xlabel="Time (ms)")
+    stream.set(ylim=(-0.9, 2.2), ylabel="Vertical velocity (m/s)")
+    for number, (_, pair) in enumerate(sheet.take(stream, "pair").groupby("series")):
+        label = "_pair" if number else "accepted pair"
+        time, velocity = pair.iloc[:, 3], pair.iloc[:, 4]
+        stream.plot(time, velocity, label=label, color="0.6", linewidth=0.8, zorder=1)
+    records = {
         "falling": Series("falling record", 0),
         "rising": Series("rising record", 1, mark="triangle"),
     }
-    sheet.draw(stream, looks_stream, omit="pair")
+    sheet.draw(stream, records)
     sheet.legend(stream, "upper left")
-    for ax in (precision, recall, seen):
-        sheet.draw(ax, HEIGHTS, apart=1.06)
-    looks_correction = {
+    heights = {
+        "h = 0.5 mm": Series("$h$ = 0.5 mm", 0, open=True),
+        "h = 1 mm": Series("$h$ = 1 mm", 2, mark="square"),
+        "h = 2 mm": Series("$h$ = 2 mm", 4, mark="triangle"),
+        "h = 5 mm": Series("$h$ = 5 mm", 3),
+    }
+    for ax, share in ((precision, "Precision"), (recall, "Recall"), (seen, "Share found")):
+        ax.set(xscale="log", xlim=(0.25, 2.0), xlabel=NOMINAL_SPEED)
+        ax.set(ylim=(0.0, 1.05), ylabel=share)
+        sheet.ticks(ax.xaxis, (0.3, 0.4, 0.5, 0.75, 1.66))
+        sheet.draw(ax, heights, apart=1.06)
+    correction.set(xscale="log", xlim=(0.15, 6.0), xlabel=NORMAL_SPEED)
+    correction.set(ylim=(-0.14, 0.08), ylabel="Bias of $e$")
+    sheet.ticks(correction.xaxis, (0.2, 0.5, 1.0, 2.0, 5.0))
+    corrections = {
         "closed form, e = 0.4": Series("$e$ = 0.4", 0),
         "closed form, e = 0.7": Series("$e$ = 0.7", 1, line="dashed"),
         "closed form, e = 0.9": Series("$e$ = 0.9", 2, line="dashdot"),
@@ -100,13 +89,6 @@ def draw_doppler_pairs(sheet: Sheet) -> None:
         "exact, e = 0.7": Series("_exact", 6, open=True),
         "exact, e = 0.9": Series("_exact", 6, open=True),
     }
-    sheet.draw(correction, looks_correction, fixed=True)
+    sheet.draw(correction, corrections, fixed=True)
     sheet.legend(correction, "lower right", "corrected as printed,")
     sheet.keys()
-    table = sheet.tables["doppler_stream"]
-    pairs = table[table["series"].str.startswith("pair ")].groupby("series")
-    for number, (_, pair) in enumerate(pairs):
-        label = "_pair" if number else "accepted pair"
-        look = {"color": "0.6", "linewidth": 0.8, "zorder": 1}
-        stream.plot(pair.iloc[:, 3], pair.iloc[:, 4], label=label, **look)
-    stream.legend(loc="upper left")

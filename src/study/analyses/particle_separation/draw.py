@@ -1,4 +1,4 @@
-"""Figures of particle_separation."""
+"""Figure separation: forces on a charged particle against the silica on it."""
 
 from __future__ import annotations
 
@@ -45,24 +45,17 @@ if TYPE_CHECKING:
     height_mm=86.0,
 )
 def draw_separation(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    adhesion, charge = sheet.panels(
-        yscale="log",
-        xlim=(-0.1, 3.0),
-        ylim=(0.8, 3000.0),
-        xlabel="Silica on the particle (% of weight)",
-        ylabel="Force (nN)",
-    )
-    looks_adhesion = {
+    """Adhesion, and attraction of charges, against the weight of silica."""
+    silica = "Silica on the particle (% of weight)"
+    forces = {
         "adhesion": Series("adhesion (JKR), middle and range", 0),
         "adhesion, random": Series("limit: silica at random", 0, line="dotted"),
         "adhesion, lifted": Series("limit: lifted by three", 0, line="dashed"),
         "stated": Series("abstract, Rimai et al. 2000", 6),
-    }
-    sheet.draw(adhesion, looks_adhesion)
-    looks_charge = {
         "charged patches": Series("charged patches, middle and range", 1, line="dashdot"),
         "uniform charge": Series("uniform charge, middle and range", 2, line="long dashed"),
     }
-    sheet.draw(charge, looks_charge)
+    for ax in sheet.panels(yscale="log", xlabel=silica, ylabel="Force (nN)"):
+        ax.set(xlim=(-0.1, 3.0), ylim=(0.8, 3000.0))
+        sheet.draw(ax, forces)
     sheet.keys()

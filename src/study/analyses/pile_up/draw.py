@@ -1,10 +1,10 @@
-"""Figures of pile_up."""
+"""Figure pile_up_onset: spheres that end on the target by one impact, and by many."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import PILE_UP, TWO_STAGES, Figure, Series
+from study.figures.declaration import TWO_STAGES, Figure, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
@@ -41,14 +41,10 @@ if TYPE_CHECKING:
 )
 def draw_pile_up_onset(sheet: Sheet) -> None:
     """Shares in the end as marks, at the first impact as curves."""
-    (ax,) = sheet.panels(
-        xlim=(0.0, 2.1),
-        ylim=(0.0, 1.05),
-        xlabel="Nominal drop speed (m/s)",
-        ylabel="Share of spheres on the target",
-    )
+    (ax,) = sheet.panels(xlim=(0.0, 2.1), xlabel="Nominal drop speed (m/s)")
+    ax.set(ylim=(0.0, 1.05), ylabel="Share of spheres on the target")
     lower = "[[other_capture_velocity_m_per_s:g]] m/s"
-    looks = {
+    contacts = {
         "printed, in the end": Series("printed, in the end", 0),
         "printed, first impact": Series("printed, at first impact", 0),
         "posterior, in the end": Series("posterior, in the end", 1, mark="square"),
@@ -56,7 +52,7 @@ def draw_pile_up_onset(sheet: Sheet) -> None:
         "lower, in the end": Series(f"{lower}, in the end", 2, open=True),
         "lower, first impact": Series(f"{lower}, at first impact", 2, line="dashed"),
     }
-    sheet.draw(ax, looks, omit=PILE_UP)
+    sheet.piled_up(ax)
+    sheet.draw(ax, contacts)
     sheet.legend(ax, "upper right", "capture velocity; captured")
     sheet.keys()
-    sheet.piled_up(ax)

@@ -1,10 +1,10 @@
-"""Figures of rival_explanations."""
+"""Figure rival_restitution: restitution that falls by adhesion, and by a probe alone."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import NORMAL_SPEED, PILE_UP, RESTITUTION, TWO_STAGES, Figure, Series
+from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, Figure, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 def draw_rival_restitution(sheet: Sheet) -> None:
     """Curves of both explanations."""
     (ax,) = sheet.panels(xlim=(0.0, 2.0), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
-    looks_ax = {
+    explanations = {
         "steel-silicon, n = 0, 75 um": Series("adhesion, $n$ = 0, 75 µm", 0, line="dashed"),
         "steel-silicon, n = 1, 75 um": Series("adhesion, $n$ = 1, 75 µm", 1, line="long dashed"),
         "steel-silicon, n = 1, 49 um": Series("adhesion, $n$ = 1, 49 µm", 1, line="dashdot"),
@@ -49,7 +49,7 @@ def draw_rival_restitution(sheet: Sheet) -> None:
         "probe alone": Series("probe alone, any size", 3, line="dotted"),
         "printed, oblique impact": Series("printed for oblique impact", 6),
     }
-    sheet.draw(ax, looks_ax, omit=PILE_UP)
+    sheet.piled_up(ax)
+    sheet.draw(ax, explanations)
     sheet.legend(ax, "lower right")
     sheet.keys()
-    sheet.piled_up(ax)

@@ -1,23 +1,13 @@
-"""Figures of rolling_dissipation."""
+"""Figure rolling: rolling resistance that the models of an impact neglect."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import ANGLE, TWO_STAGES, Figure, Series
+from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
-
-LOOKS_ROLLING_BOUND = {
-    "steel-silicon, n = 0, 0.5 m/s": Series("$n$ = 0, 0.5 m/s", 0, line="dotted"),
-    "steel-silicon, n = 1, 0.5 m/s": Series("$n$ = 1, 0.5 m/s", 1, line="dashdotdot"),
-    "steel-silicon, n = 0, 1.66 m/s": Series("$n$ = 0, 1.66 m/s", 0),
-    "steel-silicon, n = 1, 1.66 m/s": Series("$n$ = 1, 1.66 m/s", 1, line="dashed"),
-    "steel-silicon, n = 0, 5 m/s": Series("$n$ = 0, 5 m/s", 0, line="long dashed"),
-    "steel-silicon, n = 1, 5 m/s": Series("$n$ = 1, 5 m/s", 1, line="dashdot"),
-    "negligible": Series("negligible below", 6, line="loose dashed"),
-}
 
 
 @Figure(
@@ -58,18 +48,17 @@ LOOKS_ROLLING_BOUND = {
     columns=2,
 )
 def draw_rolling(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
-    bound, steady, impact, damping = sheet.panels(
-        yscale="log",
-        xlim=(0.0, 90.0),
-        ylim=(0.0001, 20.0),
-        xlabel=ANGLE,
-        ylabel="Rolling / friction moment",
-    )
-    for ax in (bound, steady, impact, damping):
-        sheet.ticks(ax.xaxis, (0, 30, 60, 90))
-    sheet.draw(bound, LOOKS_ROLLING_BOUND)
-    sheet.draw(steady, LOOKS_ROLLING_BOUND)
-    sheet.draw(impact, LOOKS_ROLLING_BOUND)
-    sheet.draw(damping, LOOKS_ROLLING_BOUND)
+    """Moment of rolling over that of friction against the angle, by each estimate."""
+    contacts = {
+        "steel-silicon, n = 0, 0.5 m/s": Series("$n$ = 0, 0.5 m/s", 0, line="dotted"),
+        "steel-silicon, n = 1, 0.5 m/s": Series("$n$ = 1, 0.5 m/s", 1, line="dashdotdot"),
+        "steel-silicon, n = 0, 1.66 m/s": Series("$n$ = 0, 1.66 m/s", 0),
+        "steel-silicon, n = 1, 1.66 m/s": Series("$n$ = 1, 1.66 m/s", 1, line="dashed"),
+        "steel-silicon, n = 0, 5 m/s": Series("$n$ = 0, 5 m/s", 0, line="long dashed"),
+        "steel-silicon, n = 1, 5 m/s": Series("$n$ = 1, 5 m/s", 1, line="dashdot"),
+        "negligible": Series("negligible below", 6, line="loose dashed"),
+    }
+    for ax in sheet.panels(**OVER_ANGLE, yscale="log", ylabel="Rolling / friction moment"):
+        ax.set(xticks=(0, 30, 60, 90), ylim=(0.0001, 20.0))
+        sheet.draw(ax, contacts)
     sheet.keys()

@@ -1,21 +1,15 @@
-"""Figures of roughness_expansions."""
+"""Figure roughness: coefficients measured on a slope, exact and by the article's equations."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from study.figures.declaration import (
-    ANGLE,
-    MEASURED_IMPULSE_RATIO,
-    MEASURED_RESTITUTION,
-    Figure,
-    Series,
-)
+from study.figures.declaration import OVER_ANGLE, Figure, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
 
-RESTITUTIONS = {
+FORMS = {
     "exact": Series("exact", 6),
     "printed": Series("expansion as printed", 1, line="dashed"),
     "corrected": Series("expansion corrected", 0, line="dashdot"),
@@ -23,11 +17,6 @@ RESTITUTIONS = {
     "35 printed beyond": Series("Eq. 35 as printed", 3, line="dotted"),
     "39 printed": Series("Eq. 39 as printed", 2, line="dashdotdot"),
     "energy bound": Series("bound by energy", 5, line="long dashed"),
-}
-RATIOS = {
-    "exact": Series("exact", 6),
-    "printed": Series("expansion as printed", 1, line="dashed"),
-    "corrected": Series("expansion corrected", 0, line="dashdot"),
 }
 SLOPE = r"Slope $\phi$ (°)"
 # Bars of the ranges of agreement: words, height as a share of the panel, colour.
@@ -78,20 +67,20 @@ def draw_roughness(sheet: Sheet) -> None:
     restitution, ratio = axes[:3], axes[3:]
     for by_slope, by_angle, at_normal in (restitution, ratio):
         by_slope.set(xlim=(-9.0, 20.0), xlabel=SLOPE)
-        by_angle.set(xlim=(0.0, 90.0), xlabel=ANGLE, xticks=(0, 30, 60, 90))
+        by_angle.set(**OVER_ANGLE)
+        by_angle.set_xticks((0, 30, 60, 90))
         at_normal.set(xlim=(-20.0, 20.0), xlabel=SLOPE)
     for ax, ylim in zip(restitution, ((-1.5, 6.5), (0.4, 2.5), (0.5, 0.72)), strict=True):
-        ax.set(ylim=ylim, ylabel=MEASURED_RESTITUTION)
-        sheet.draw(ax, RESTITUTIONS, fixed=True, omit="range")
+        ax.set(ylim=ylim, ylabel="Measured restitution $e_m$")
     for ax, ylim in zip(ratio, ((-0.1, 0.6), (-0.05, 0.25), (-0.4, 0.4)), strict=True):
-        ax.set(ylim=ylim, ylabel=MEASURED_IMPULSE_RATIO)
-        sheet.draw(ax, RATIOS, omit="range")
+        ax.set(ylim=ylim, ylabel=r"Measured impulse ratio $-\mu_m$")
     for ax in axes:
         for form, (words, height, colour) in BARS.items():
-            ends = sheet.abscissae(ax, f"range {form}")
-            look = {"color": f"C{colour}", "marker": "|", "linestyle": "solid", "clip_on": False}
+            ends = sheet.take(ax, f"range {form}").iloc[:, 3]
             if len(ends):
-                across = ax.get_xaxis_transform()
                 label = f"holds to the tolerance, {words}"
-                ax.plot(ends, [height] * len(ends), transform=across, label=label, **look)
+                look: dict[str, Any] = {"color": f"C{colour}", "label": label, "clip_on": False}
+                across = ax.get_xaxis_transform()
+                ax.plot(ends, [height] * len(ends), "|-", transform=across, **look)
+        sheet.draw(ax, FORMS, fixed=ax in restitution)
     sheet.keys()

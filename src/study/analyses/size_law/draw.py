@@ -1,13 +1,25 @@
-"""Figures of size_law."""
+"""Figure capture_by_size: capture velocity against the diameter, and rebounds that decide."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import CAPTURE_VELOCITY, TWO_STAGES, Figure, Series
+from study.figures.declaration import CAPTURE_VELOCITY, STEEL_LAWS, TWO_STAGES, Figure, Line, Series
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
+
+# Two laws: words and colour; lines of speeds from 1.2 and from 2 capture velocities upwards.
+COMPARED: dict[str, tuple[str, int]] = {
+    "ring force, n free against ring force, n = 0": ("$n$ free against $n$ = 0", 0),
+    "ring force, n free against JKR, viscous": ("$n$ free against JKR", 1),
+    "ring force, n = 0 against JKR, viscous": ("$n$ = 0 against JKR", 2),
+}
+LINES: tuple[tuple[Line, Line], ...] = (
+    ("solid", "dashed"),
+    ("dashdot", "dotted"),
+    ("long dashed", "loose dashed"),
+)
 
 
 @Figure(
@@ -44,47 +56,21 @@ if TYPE_CHECKING:
     columns=2,
 )
 def draw_capture_by_size(sheet: Sheet) -> None:
-    """Draw it (was study.figures.models.curves.draw)."""
+    """Capture velocity of each law, and rebounds that tell two laws apart."""
     size, impacts = sheet.panels(yscale="log", xscale="log")
     size.set(xlim=(20.0, 200.0), ylim=(0.01, 1.5), xlabel="Diameter (µm)", ylabel=CAPTURE_VELOCITY)
-    impacts.set(
-        xlim=(50.0, 200.0),
-        ylim=(10.0, 100000.0),
-        xlabel="Mean diameter of the larger sieve (µm)",
-        ylabel="Rebounds per sieve",
-    )
+    impacts.set(xlim=(50.0, 200.0), xlabel="Mean diameter of the larger sieve (µm)")
+    impacts.set(ylim=(10.0, 100000.0), ylabel="Rebounds per sieve")
     for ax in (size, impacts):
-        sheet.steps(ax.xaxis, 1.0, 2.0, 5.0)
-    sheet.steps(size.yaxis, 1.0, 3.0)
-    sheet.steps(impacts.yaxis, 1.0)
-    looks_size = {
-        "ring force, n free": Series("ring force, $n$ from 0 to 2", 0),
-        "ring force, n = 0": Series("ring force, $n$ = 0", 2, line="dashed"),
-        "JKR, viscous": Series("JKR, viscous", 1, line="dashdot"),
-        "steel-silicon, n = 0": Series("two stages, $n$ = 0", 6, line="dotted"),
-        "steel-silicon, n = 1": Series("two stages, $n$ = 1", 6, line="loose dashed"),
-        "published power": Series("published power", 3, line="long dashed"),
+        sheet.ticks(ax.xaxis, (1, 2, 5), decades=True)
+    sheet.ticks(size.yaxis, (1, 3), decades=True)
+    sheet.ticks(impacts.yaxis, (1,), decades=True)
+    published = {"published power": Series("published power", 3, line="long dashed")}
+    sheet.draw(size, STEEL_LAWS | published)
+    rebounds = {
+        f"{laws}, from {lowest} v_c": Series(f"{words}, from {lowest} $v_c$", colour, line=line)
+        for (laws, (words, colour)), lines in zip(COMPARED.items(), LINES, strict=True)
+        for lowest, line in zip(("1.2", "2"), lines, strict=True)
     }
-    sheet.draw(size, looks_size)
-    looks_impacts = {
-        "ring force, n free against ring force, n = 0, from 1.2 v_c": Series(
-            "$n$ free against $n$ = 0, from 1.2 $v_c$", 0
-        ),
-        "ring force, n free against ring force, n = 0, from 2 v_c": Series(
-            "$n$ free against $n$ = 0, from 2 $v_c$", 0, line="dashed"
-        ),
-        "ring force, n free against JKR, viscous, from 1.2 v_c": Series(
-            "$n$ free against JKR, from 1.2 $v_c$", 1, line="dashdot"
-        ),
-        "ring force, n free against JKR, viscous, from 2 v_c": Series(
-            "$n$ free against JKR, from 2 $v_c$", 1, line="dotted"
-        ),
-        "ring force, n = 0 against JKR, viscous, from 1.2 v_c": Series(
-            "$n$ = 0 against JKR, from 1.2 $v_c$", 2, line="long dashed"
-        ),
-        "ring force, n = 0 against JKR, viscous, from 2 v_c": Series(
-            "$n$ = 0 against JKR, from 2 $v_c$", 2, line="loose dashed"
-        ),
-    }
-    sheet.draw(impacts, looks_impacts)
+    sheet.draw(impacts, rebounds)
     sheet.keys()

@@ -1,4 +1,4 @@
-"""Figures of track_imaging."""
+"""Figures ptis_frame and ptis_accuracy: a frame of the imaging system, and its errors."""
 
 from __future__ import annotations
 
@@ -11,12 +11,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from study.figures.style import Sheet
-
-METHODS = {
-    "path under gravity": Series("path under gravity", 0),
-    "straight line": Series("straight line", 1, mark="square"),
-    "error model": Series("error model", 2),
-}
 
 
 @Figure(
@@ -52,14 +46,14 @@ def draw_ptis_frame(sheet: Sheet) -> None:
     image, extent = grey_levels(sheet.tables["ptis_pixels"])
     shown = ax.imshow(image, cmap="gray", vmin=0, vmax=255, extent=extent, zorder=0)
     sheet.figure.colorbar(shown, ax=ax, label="Grey level (counts)", shrink=0.85)
-    looks = {
+    tracks = {
         "incident centroids": Series("incident dashes", 5),
         "incident path": Series("incident path", 5),
         "rebound centroids": Series("rebound dashes", 4, mark="square"),
         "rebound path": Series("rebound path", 4, line="dashdot"),
         "surface": Series("surface", 2, line="dashed"),
     }
-    sheet.draw(ax, looks)
+    sheet.draw(ax, tracks)
     ax.set(xlim=extent[:2], ylim=extent[2:], aspect="equal")
     for line in ax.lines:
         if line.get_linestyle() != "None":
@@ -110,17 +104,20 @@ def grey_levels(pixels: pd.DataFrame) -> tuple[np.ndarray, tuple[float, float, f
 )
 def draw_ptis_accuracy(sheet: Sheet) -> None:
     """Errors of both legs against the speed."""
-    axes = sheet.panels(
-        xscale="log",
-        xlim=(0.1, 50.0),
-        ylim=(-20.0, 20.0),
-        xlabel="Speed of incidence $v$ (m/s)",
-        ylabel="Error of the speed (%), linear to ±0.1",
-    )
-    for ax in axes:
-        sheet.near_zero(ax)
-        sheet.steps(ax.xaxis, 1.0)
+    from study.figures import style
+
+    methods = {
+        "path under gravity": Series("path under gravity", 0),
+        "straight line": Series("straight line", 1, mark="square"),
+        "error model": Series("error model", 2),
+    }
+    error = "Error of the speed (%), linear to ±0.1"
+    for ax in sheet.panels(xscale="log", xlabel="Speed of incidence $v$ (m/s)", ylabel=error):
+        ax.set_yscale("symlog", linthresh=0.1)
+        ax.set(xlim=(0.1, 50.0), ylim=(-20.0, 20.0))
+        style.plain_numbers(ax.yaxis)
+        sheet.ticks(ax.xaxis, (1,), decades=True)
         sheet.level(ax, 0.0)
-        sheet.draw(ax, METHODS, apart=1.1)
+        sheet.draw(ax, methods, apart=1.1)
         sheet.legend(ax, "lower right")
     sheet.keys()
