@@ -6,13 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.analyses.campaign import compute as campaign
-from study.declared.parameters import build
 from microimpact.model.contact import resized
 from microimpact.model.dynamics.impact import simulate
-from study.declared.parameters import build
-from study.contacts import calibrated_contact
 from study.analyses.campaign import compute as campaign
+from study.contacts import calibrated_contact
+from study.declared.parameters import build
 from study.tables import parse_table
 
 
@@ -51,7 +49,9 @@ def test_coulomb_curves_roll_with_the_restitution_of_their_own_contact(
 ):
     """Another sphere in Fig. 6 leaves steel on the mirror and on Formica as they are."""
     light = {"silicon front": {"case": "polystyrene-latex-fused-silica", "figures": ["fig06"]}}
-    tables = run_study("fig06_12_oblique_experiments", calibration, angles_deg=[85], points=90, series=light)
+    tables = run_study(
+        "fig06_12_oblique_experiments", calibration, angles_deg=[85], points=90, series=light
+    )
     inputs = {**calibration, "materials": pd.DataFrame(settings.tables.materials.rows)}
     contacts = {
         "fig06": "polystyrene-latex-fused-silica",

@@ -8,13 +8,11 @@ import pytest
 from scipy.special import ndtri
 
 from microimpact.model.dynamics.capture import capture_velocity
+from study.analyses.claim_numbers import designs
 from study.analyses.fig24_25_doe.factors import LETTERS, at_levels
+from study.analyses.sensitivity import compute as sensitivity
 from study.contacts import calibrated_contact
 from study.declared.parameters import build
-from study.analyses.sensitivity import compute as sensitivity
-from study.analyses.fig24_25_doe.factors import LETTERS, at_levels
-from study.analyses.claim_numbers import designs
-from study.contacts import calibrated_contact
 
 STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
 
@@ -103,7 +101,9 @@ def test_another_generator(run_study, calibration, sampling):
     fraction = table[(table["variation"] == "uniform") & (table["design"] == "fraction")]
     effects = fraction[fraction["response"] == "v_c"].set_index("effect")
     for word, mixed in {"A": "BD and CE", "BD": "A and CE"}.items():
-        with pytest.raises(ValueError, match=f"fig24_25_doe.generator: .* tell {word} from {mixed}"):
+        with pytest.raises(
+            ValueError, match=f"fig24_25_doe.generator: .* tell {word} from {mixed}"
+        ):
             designs.effect(effects, word)
 
 

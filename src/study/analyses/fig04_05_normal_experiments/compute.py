@@ -31,7 +31,6 @@ from study.declared.parameters import (
     Points,
     Positive,
 )
-from study.contacts import calibrated_contact, pair_of, printed_beside
 from study.laboratory import Laboratory
 from study.tables import Tables, series_frame
 

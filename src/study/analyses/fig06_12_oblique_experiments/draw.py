@@ -301,7 +301,7 @@ def draw_fig10(sheet: Sheet) -> None:
 
 @Figure(
     "fig11",
-    "Rebounds of [[series.spore on silicon.case.pair]] and [[series.silicon front.case.pair]], as a PTIS would measure them",
+    "Rebounds of [[series.spore on silicon.case.pair]] and [[series.steel on silicon.case.pair]], as a PTIS would measure them",
     """
         Restitution, impulse ratio and loss of translational energy against the angle of
         incidence, for [[series.spore on silicon.case.pair]] (filled) and [[series.silicon
@@ -340,7 +340,7 @@ def draw_fig11(sheet: Sheet) -> None:
         "printed, spore, 48 deg": Series("_printed", 1),
         "printed, spore, 38 deg": Series("_printed", 1),
     }
-    draw_coefficients(sheet, particles(spore, "silicon front") | more)
+    draw_coefficients(sheet, particles(spore, "steel on silicon") | more)
 
 
 @Figure(

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     method="""
         Unless their distribution is declared, slopes are normal and as wide as each
         weighting needs for the printed e = [[slope_inference.restitution:g]] at
-        [[slope_inference.angle_deg:.0f]]° (table slope_inference): (a) is calibrated at
-        that angle, (b) is predicted. Only spheres that rebound from the nominal surface
+        [[slope_inference.angle_deg:.0f]]° (table slope_inference); (a) is then calibrated
+        at that angle, and (b) predicted. Only spheres that rebound from the nominal surface
         count. Off-scale means are given at the top.
     """,
     as_shipped="""

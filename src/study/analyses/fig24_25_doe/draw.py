@@ -62,7 +62,7 @@ LABEL_GAP = 4.5
     method="""
         Fraction [[generator]] of a two-level design about [[drawn_case]]. Labelled in (a)
         are the factors, the interactions as large as one of A to D, and all beyond Lenth's
-        margin. The responses are deterministic: Lenth's margins only separate large effects
+        margin; of a sum of effects, as A+BD, the fraction does not tell the parts. The responses are deterministic: Lenth's margins only separate large effects
         from small ones; the simultaneous margin is the one for all effects at once. Margins
         are for the exact capture velocity.
     """,
@@ -117,7 +117,8 @@ def draw_fig25(sheet: Sheet) -> None:
 def _draw_effects(sheet: Sheet, effects: tuple[float, float], sizes: tuple[float, float]) -> None:
     """Draw a normal plot of effects, and a half-normal one; ends of the abscissae in %.
 
-    A series is called ``response: effect``, or as one of the margins.
+    A series is called ``response: effect``, with what cannot be told from it, or as one of the
+    margins.
     """
     from study.figures import style
     from study.tables import POINTS
@@ -131,7 +132,8 @@ def _draw_effects(sheet: Sheet, effects: tuple[float, float], sizes: tuple[float
     )
     (table,) = sheet.tables.values()
     parts = table["series"].str.split(": ", n=1, expand=True)
-    table = table.assign(response=parts[0], word=parts[1])
+    word = parts[1].str.split(r"[+-]", regex=True).str[0]
+    table = table.assign(response=parts[0], word=word, label=parts[1])
     panels = {normal: NORMAL, half_normal: HALF_NORMAL}
     for ax, looks in panels.items():
         rows = table[table["panel"] == ax.get_label()]
@@ -195,10 +197,10 @@ def _label(
     """Write the effects beside their points: away from zero, or all to one side."""
     x, y = columns
     gap = LABEL_GAP if outward else LABEL_GAP + 1.5
-    for word, effect, height in zip(points["word"], points[x], points[y], strict=True):
+    for label, effect, height in zip(points["label"], points[x], points[y], strict=True):
         left = effect < 0.0 if outward else leftward
         ax.annotate(
-            word,
+            label,
             (effect, height),
             xytext=(-gap if left else gap, 0.0),
             textcoords="offset points",

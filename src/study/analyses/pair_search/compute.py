@@ -31,9 +31,7 @@ from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.intervals import ERROR_BAR, mean_and_error, wilson_interval
 from study.contacts import calibrated_contact
-from study.declared.parameters import CaseName, Count, Points, Positive
 from study.declared.parameters import CaseName, Count, MaterialName, Points, Positive
-from study.contacts import calibrated_contact
 from study.laboratory import Laboratory
 from study.tables import Row, Tables, series_frame
 

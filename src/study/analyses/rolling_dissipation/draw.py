@@ -16,36 +16,31 @@ if TYPE_CHECKING:
     """
         Impulse of the rolling moment that the models neglect over that of friction, against
         the angle of incidence, for [[cases.pair]], [[drawn_diameter_um:g]] µm. (a) Bound by
-        statics. (b) As in steady rolling. (c) Only where one part of the contact closes
-        while another opens. (d) The model's own damping. Below the black, dashed line:
-        negligible.
+        statics. (b) Hysteresis only where one part of the contact closes while another
+        opens. (c) The model's own damping. Below the black, dashed line: negligible.
     """,
     {
         "bound": "upper bound (statics)",
-        "steady": "steady rolling",
-        "impact": "hysteresis within an impact",
-        "damping": "damping of the model within an impact",
+        "impact": "hysteresis in an impact",
+        "damping": "damping of the model",
     },
     data=("rolling",),
     equations="25, 27, 29",
     finding="""
         Within one impact rolling resistance is negligible against friction; only a bound by
-        statics, or steady rolling, makes it matter.
+        statics makes it matter.
     """,
     method="""
         (a) All pressure at the leading edge of the contact, all adhesion on its trailing
-        half. (b) Hysteresis of the whole loss of the impact, and adhesion lagging by
-        [[rolling_shift_nm:.0f]] nm. (c) Hysteresis of the same loss and of the whole
-        adhesion. (d) At each point of the contact. n is the rate exponent of the adhesion
-        damping, whose coefficient falls with the impact speed as v^-n. Curves begin above
-        capture.
+        half. (b) Hysteresis of the whole loss of the impact and of the whole adhesion. (c) At
+        each point of the contact. n is the rate exponent of the adhesion damping, whose
+        coefficient falls with the impact speed as v^-n. Curves begin above capture.
     """,
     contact=TWO_STAGES,
     tables={
         "rolling_dissipation": "Moments of rolling over that of friction, by diameter, speed and angle.",
     },
-    height_mm=128.0,
-    columns=2,
+    height_mm=75.0,
 )
 def draw_rolling(sheet: Sheet) -> None:
     """Moment of rolling over that of friction against the angle, by each estimate."""

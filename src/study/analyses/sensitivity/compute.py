@@ -17,9 +17,9 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.distributions import generator
-from study.declared.parameters import CaseName, Count, Must, OpenShare
 from study.analyses.fig24_25_doe.factors import LETTERS, NAMES, at_levels
 from study.contacts import calibrated_contact
+from study.declared.parameters import CaseName, Count, Must, OpenShare
 from study.tables import Row, Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",), "fig24_25_doe": ("doe_levels", "doe_effects")}
