@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     "ridge",
     "What two numbers leave open for [[two_stage.members.pair]]",
     """
-        Contacts of [[two_stage.members.pair]] that meet e = [[two_stage.restitution:.2f]]
-        at [[two_stage.speed_m_per_s:.2f]] m/s and a capture velocity of
+        Contacts of [[two_stage.members.pair]] that meet e = [[two_stage.restitution:.2f]] at
+        [[two_stage.speed_m_per_s:.2f]] m/s and a capture velocity of
         [[two_stage.capture_velocity_m_per_s:.2f]] m/s. (a) Largest deviation of e from its
-        plateau against the work of adhesion; below the criterion e counts as constant. (b)
-        The two members used in the figures.
+        plateau against the work of adhesion; below the criterion e counts as constant. (b) The
+        two members used in the figures.
     """,
     {"ridge": "deviation from the plateau", "curves": "the two members used in the figures"},
     data=("ridge", "ridge_curves"),
@@ -35,9 +35,9 @@ if TYPE_CHECKING:
         adhesion that meets both.
     """,
     method="""
-        n is the rate exponent of the adhesion damping, whose coefficient falls with the
-        impact speed as v^-n. The plateau is above [[two_stage.flat_from_m_per_s:.2f]] m/s.
-        Curves begin where a solution exists.
+        n is the rate exponent of the adhesion damping, whose coefficient falls with the impact
+        speed as v^-n. The plateau is above [[two_stage.flat_from_m_per_s:.2f]] m/s. Curves
+        begin where a solution exists.
     """,
     contact=TWO_STAGES,
     tables={

@@ -30,21 +30,21 @@ TICKS = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
     "campaign_map",
     "All experiments of the campaign",
     """
-        The virtual experiments of the campaign by particles and surface, angle of incidence
-        and nominal speed (colour). At 90° the phase Doppler analyser observes, at other
-        angles the imaging system. Open marks: fewer than [[stop.fewest_events]] events
-        although all particles allowed were dropped.
+        The virtual experiments of the campaign by particles and surface, angle of incidence and
+        nominal speed (colour). At 90° the phase Doppler analyser observes, at other angles the
+        imaging system. Open marks: fewer than [[stop.fewest_events]] events although all
+        particles allowed were dropped.
     """,
     {"all": ""},
     data=("campaign_map",),
     finding="""
-        Nearly all experiments that cannot be completed are at shallow angles and low
-        speeds, where the spheres are captured.
+        Nearly all experiments that cannot be completed are at shallow angles and low speeds,
+        where the spheres are captured.
     """,
     method="""
-        The article counts its experiments and their levels (Section 2) and does not list
-        them; this selection is declared. Experiments fail because nearly all spheres are
-        captured or arrive outside the light sheet.
+        The article counts its experiments and their levels (Section 2) and does not list them;
+        this selection is declared. Experiments fail because nearly all spheres are captured or
+        arrive outside the light sheet.
     """,
     tables={
         "campaign": "Every experiment of the campaign.",

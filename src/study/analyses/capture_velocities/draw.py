@@ -31,10 +31,10 @@ PAIRS = {
     "capture_laws",
     "Capture velocity against diameter by competing laws",
     """
-        Capture velocity at normal incidence against the diameter, for constant work of
-        adhesion and damping of each pair. Laws: this model; quasi-static JKR; Dahneke 1971;
-        Brach and Dunn 1992 as deposition codes use it. Diamonds: printed capture
-        velocities, at the diameter assumed for the pair where none is stated.
+        Capture velocity at normal incidence against the diameter, for constant work of adhesion
+        and damping of each pair. Laws: this model; quasi-static JKR; Dahneke 1971; Brach and
+        Dunn 1992 as deposition codes use it. Diamonds: printed capture velocities, at the
+        diameter assumed for the pair where none is stated.
     """,
     PAIRS,
     data=("capture_law_curves",),
@@ -44,14 +44,13 @@ PAIRS = {
         printed capture velocities by orders of magnitude.
     """,
     method="""
-        This model's curve ends where spheres are captured at every speed. JKR loses only
-        the energy of the snap-off. Dahneke's law has this model's energy of adhesion and
-        its restitution at ten capture velocities. The law of Brach and Dunn is in
-        El-Batsh's form: its constant of 0.51 has a dimension, and the pair enters only
-        through stiffness and density. Where a yield strength is declared, the speed at the
-        onset of yield is drawn: faster impacts are no longer elastic by this estimate. n is
-        the rate exponent of the adhesion damping, whose coefficient falls with the impact
-        speed as v^-n.
+        This model's curve ends where spheres are captured at every speed. JKR loses only the
+        energy of the snap-off. Dahneke's law has this model's energy of adhesion and its
+        restitution at ten capture velocities. The law of Brach and Dunn is in El-Batsh's form:
+        its constant of 0.51 has a dimension, and the pair enters only through stiffness and
+        density. Where a yield strength is declared, the speed at the onset of yield is drawn:
+        faster impacts are no longer elastic by this estimate. n is the rate exponent of the
+        adhesion damping, whose coefficient falls with the impact speed as v^-n.
     """,
     contact=TWO_STAGES,
     tables={

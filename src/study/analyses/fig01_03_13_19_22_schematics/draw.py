@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     "fig01",
     "Set-up of the oblique impacts",
     """
-        The particle trajectory imaging system. (a) Seen along the camera's axis: spheres
-        fall through a light sheet that a disk with [[set_ups.disk_slots]] slots interrupts
-        and strike a tilted target. Directions and dashes of both tracks are to scale, by
-        the rigid body model at [[set_ups.target_angle_deg:.0f]]°. (b) Seen from above.
-        Positions of the parts are schematic.
+        The particle trajectory imaging system. (a) Seen along the camera's axis: spheres fall
+        through a light sheet that a disk with [[set_ups.disk_slots]] slots interrupts and
+        strike a tilted target. Directions and dashes of both tracks are to scale, by the rigid
+        body model at [[set_ups.target_angle_deg:.0f]]°. (b) Seen from above. Positions of the
+        parts are schematic.
     """,
     {"side": "seen along the axis of the camera", "top": "seen from above"},
     data=("fig01",),
@@ -70,17 +70,17 @@ def draw_fig01(sheet: Sheet) -> None:
     "fig02",
     "Set-up of the normal impacts",
     """
-        The phase Doppler particle analyser. (a) Seen from above: two pairs of beams, one
-        for each velocity component, cross in the probe volume above the target. The
-        receiver collects side scatter at [[set_ups.receiver_angle_deg:.0f]]°; the phases at
-        its [[set_ups.detectors]] detectors give the diameter. (b) The probe volume, which a
-        sphere crosses before and after its impact. Positions are schematic.
+        The phase Doppler particle analyser. (a) Seen from above: two pairs of beams, one for
+        each velocity component, cross in the probe volume above the target. The receiver
+        collects side scatter at [[set_ups.receiver_angle_deg:.0f]]°; the phases at its
+        [[set_ups.detectors]] detectors give the diameter. (b) The probe volume, which a sphere
+        crosses before and after its impact. Positions are schematic.
     """,
     {"top": "seen from above", "side": "probe volume, enlarged"},
     data=("fig02",),
     article="""
-        A schematic, seen from above, of the equipment for normal impacts with the phase
-        Doppler analyser.
+        A schematic, seen from above, of the equipment for normal impacts with the phase Doppler
+        analyser.
     """,
     is_schematic=True,
 )
@@ -122,10 +122,10 @@ def draw_fig02(sheet: Sheet) -> None:
     "fig03",
     "Variables of a planar impact",
     """
-        Velocities before (lower case) and after (capitals) the impact, axes n and t, and
-        the angle of incidence alpha from the surface. Arrows are to scale for the rigid
-        body model at [[rebound.speed_m_per_s:.2f]] m/s, alpha = [[rebound.angle_deg:.0f]]°,
-        e = [[rebound.restitution:.2f]], f = [[rebound.friction:.2f]] and r omega / v =
+        Velocities before (lower case) and after (capitals) the impact, axes n and t, and the
+        angle of incidence alpha from the surface. Arrows are to scale for the rigid body model
+        at [[rebound.speed_m_per_s:.2f]] m/s, alpha = [[rebound.angle_deg:.0f]]°, e =
+        [[rebound.restitution:.2f]], f = [[rebound.friction:.2f]] and r omega / v =
         [[rebound.spin_ratio:.2f]]. Spins are arcs as long as the rim's path.
     """,
     {"impact": ""},
@@ -134,8 +134,8 @@ def draw_fig02(sheet: Sheet) -> None:
     article="The velocities, spins and angles of a planar impact and the axes they refer to.",
     method="""
         Spin is positive in the sense of rolling along t; friction changes it. The measured
-        quantities are e = -V_n/v_n, mu = (V_t - v_t)/(V_n - v_n) and the loss of
-        translational energy.
+        quantities are e = -V_n/v_n, mu = (V_t - v_t)/(V_n - v_n) and the loss of translational
+        energy.
     """,
     width="single",
     height_mm=61.0,
@@ -166,10 +166,10 @@ def draw_fig03(sheet: Sheet) -> None:
     "fig13",
     "Free body diagram of the rigid body model",
     """
-        Momentum of the sphere before impact plus the impulses of the contact give its
-        momentum after impact, all divided by m and drawn to one scale, for the impact of
-        Fig. 3. Friction opposes the slip of the contact point C: its impulse is mu times
-        the normal one. The model leaves out the impulsive moment M.
+        Momentum of the sphere before impact plus the impulses of the contact give its momentum
+        after impact, all divided by m and drawn to one scale, for the impact of Fig. 3.
+        Friction opposes the slip of the contact point C: its impulse is mu times the normal
+        one. The model leaves out the impulsive moment M.
     """,
     {
         "before": "before the impact",
@@ -223,9 +223,9 @@ def draw_fig13(sheet: Sheet) -> None:
     """
         A sphere of [[contact.diameter_um:.1f]] µm of [[contact.case.pair]] at the greatest
         compression of a normal impact at [[contact.speed_m_per_s:.1f]] m/s. (a) Section to
-        scale; dashed, the undeformed sphere. (b) Stresses on the sphere: Hertz pressure
-        over the contact radius a pushes it away; the ring force f_0 per length of the edge,
-        on its own scale, pulls it on.
+        scale; dashed, the undeformed sphere. (b) Stresses on the sphere: Hertz pressure over
+        the contact radius a pushes it away; the ring force f_0 per length of the edge, on its
+        own scale, pulls it on.
     """,
     {"section": "section", "stresses": "stresses on the sphere"},
     data=("fig19", "fig19_pressure", "fig19_ring"),
@@ -235,8 +235,8 @@ def draw_fig13(sheet: Sheet) -> None:
         tension on a ring around it.
     """,
     method="""
-        Contact [[contact.case]]. At this instant the normal velocity is zero, so the
-        damping forces are zero.
+        Contact [[contact.case]]. At this instant the normal velocity is zero, so the damping
+        forces are zero.
     """,
     height_mm=78.0,
     is_schematic=True,
@@ -272,17 +272,17 @@ def draw_fig19(sheet: Sheet) -> None:
     "Angles on a wavy surface",
     """
         A sphere strikes a wavy surface at the nominal angle alpha =
-        [[wavy_surface.angle_deg:.0f]]°, where the surface faces it at the slope phi.
-        Relative to the local axes t' and n' it strikes at alpha + phi, and the velocities
-        measured along t and n mix those along t' and n'. Sphere
-        ([[wavy_surface.diameter_um:.0f]] µm) and surface are to one scale.
+        [[wavy_surface.angle_deg:.0f]]°, where the surface faces it at the slope phi. Relative
+        to the local axes t' and n' it strikes at alpha + phi, and the velocities measured along
+        t and n mix those along t' and n'. Sphere ([[wavy_surface.diameter_um:.0f]] µm) and
+        surface are to one scale.
     """,
     {"geometry": ""},
     data=("fig22",),
     equations="35, 36",
     article="""
-        How the apparent angle of incidence and normal differ from the true ones on a
-        surface that is not flat.
+        How the apparent angle of incidence and normal differ from the true ones on a surface
+        that is not flat.
     """,
     method="""
         Wavelength [[wavy_surface.wavelength_um:.0f]] µm, amplitude

@@ -54,19 +54,18 @@ CLASSES = {
     """,
     method="""
         Particles are dropped, recorded by a virtual phase Doppler particle analyser
-        [[instrument.probe_height_mm:g]] mm above the surface, paired, corrected, and
-        averaged over [[stop.events]] events, or at least [[stop.fewest_events]] where
-        rebounds are rare. The contact is [[case]]; n is the rate exponent of the adhesion
-        damping, whose coefficient falls with the impact speed as v^-n.
+        [[instrument.probe_height_mm:g]] mm above the surface, paired, corrected, and averaged
+        over [[stop.events]] events, or at least [[stop.fewest_events]] where rebounds are rare.
+        The contact is [[case]]; n is the rate exponent of the adhesion damping, whose
+        coefficient falls with the impact speed as v^-n.
     """,
     as_shipped="""
         SST65 are the spheres of [[populations.SST65.diameter_um.low:.0f]] to
         [[populations.SST65.diameter_um.high:.0f]] µm (filled marks), SST125 those of
         [[populations.SST125.diameter_um.low:.0f]] to
-        [[populations.SST125.diameter_um.high:.0f]] µm (open marks). The slowest marks lie
-        above the curves because slow rebounds do not reach the probe again. The article
-        prints no level for these impacts. Grey: the speeds at which it saw particles pile
-        up.
+        [[populations.SST125.diameter_um.high:.0f]] µm (open marks). The slowest marks lie above
+        the curves because slow rebounds do not reach the probe again. The article prints no
+        level for these impacts. Grey: the speeds at which it saw particles pile up.
     """,
     contact=TWO_STAGES,
     tables={
@@ -89,9 +88,9 @@ def draw_fig04(sheet: Sheet) -> None:
     "Energy loss of sieve classes, as a PDPA would measure it",
     """
         Fraction of the kinetic energy lost, from the events of Fig. 4: [[populations]] of
-        [[case.particle]] on smooth [[case.surface]]. Curves: 1 - e^2 of the mean
-        restitution of the spheres that rebound, for the contact [[case]]. Agreement away
-        from capture is by construction.
+        [[case.particle]] on smooth [[case.surface]]. Curves: 1 - e^2 of the mean restitution of
+        the spheres that rebound, for the contact [[case]]. Agreement away from capture is by
+        construction.
     """,
     {"all": ""},
     data=("fig05",),
@@ -102,8 +101,8 @@ def draw_fig04(sheet: Sheet) -> None:
         every speed.
     """,
     as_shipped="""
-        Filled: SST65, the smaller spheres; open: SST125. Grey: the speeds at which the
-        article saw particles pile up.
+        Filled: SST65, the smaller spheres; open: SST125. Grey: the speeds at which the article
+        saw particles pile up.
     """,
     contact=TWO_STAGES,
     height_mm=85.0,

@@ -127,29 +127,29 @@ def draw_classes(sheet: Sheet, words: str, ends: tuple[float, float]) -> None:
     "Front and back of [[series.silicon front.case.surface]] at [[series.silicon front.speed_m_per_s:.2f]] m/s, as a PTIS would measure it",
     """
         Restitution, impulse ratio and loss of translational energy against the angle of
-        incidence at [[series.silicon front.speed_m_per_s:.2f]] m/s, for the front (filled)
-        and the back (open) of [[series.silicon back.case.surface]]. Marks: virtual
-        experiments with 95 % intervals. Coloured curves: the same contacts on smooth
-        surfaces; dashed: all rebounds, seen or not. Black: Coulomb friction.
+        incidence at [[series.silicon front.speed_m_per_s:.2f]] m/s, for the front (filled) and
+        the back (open) of [[series.silicon back.case.surface]]. Marks: virtual experiments with
+        95 % intervals. Coloured curves: the same contacts on smooth surfaces; dashed: all
+        rebounds, seen or not. Black: Coulomb friction.
     """,
     COEFFICIENTS,
     data=("fig06",),
     equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
     article="""
-        Measured restitution, impulse ratio and energy loss against the angle, steel SST76
-        on the smooth face and the rough back of silicon at 1.66 m/s, with a curve of
-        Coulomb friction without initial spin.
+        Measured restitution, impulse ratio and energy loss against the angle, steel SST76 on
+        the smooth face and the rough back of silicon at 1.66 m/s, with a curve of Coulomb
+        friction without initial spin.
     """,
     finding="""
-        A rough back face raises the measured restitution at shallow angles, although no
-        contact has become more elastic.
+        A rough back face raises the measured restitution at shallow angles, although no contact
+        has become more elastic.
     """,
     method=IMAGED,
     as_shipped="""
         The front of the wafer is polished, the back lapped, with assumed slopes of
-        [[series.silicon back.surface_slope:.2f]] rad per axis; contacts [[series.silicon
-        front.case]] and [[series.silicon back.case]]. Diamonds: values printed in the
-        article.
+        [[series.silicon back.surface_slope:.2f]] rad per axis; contacts
+        [[series.silicon front.case]] and [[series.silicon back.case]]. Diamonds: values printed
+        in the article.
     """,
     contact=TWO_STAGES,
     tables={
@@ -172,28 +172,27 @@ def draw_fig06(sheet: Sheet) -> None:
     "Front and back of [[series.mirror front.case.surface]] at [[series.mirror front.speed_m_per_s:.2f]] m/s, as a PTIS would measure it",
     """
         Restitution, impulse ratio and loss of translational energy against the angle of
-        incidence at [[series.mirror front.speed_m_per_s:.2f]] m/s, for the front (filled)
-        and the back (open) of [[series.mirror back.case.surface]]. Marks: virtual
-        experiments with 95 % intervals. Coloured curves: the same contacts on smooth
-        surfaces; dashed: all rebounds, seen or not. Black: Coulomb friction.
+        incidence at [[series.mirror front.speed_m_per_s:.2f]] m/s, for the front (filled) and
+        the back (open) of [[series.mirror back.case.surface]]. Marks: virtual experiments with
+        95 % intervals. Coloured curves: the same contacts on smooth surfaces; dashed: all
+        rebounds, seen or not. Black: Coulomb friction.
     """,
     COEFFICIENTS,
     data=("fig07",),
     equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
     article="""
-        The same three quantities for steel SST76 on the front and the rough back of a
-        mirror at 1.66 m/s.
+        The same three quantities for steel SST76 on the front and the rough back of a mirror at
+        1.66 m/s.
     """,
     finding="""
-        Only the roughness of the back, an assumed one, separates the two faces of the
-        mirror.
+        Only the roughness of the back, an assumed one, separates the two faces of the mirror.
     """,
     method=IMAGED,
     as_shipped="""
         The slopes of the back, [[series.mirror back.surface_slope:.2f]] rad per axis, are
         assumed; contacts [[series.mirror front.case]] and [[series.mirror back.case]].
-        Diamonds: ends of the range printed for the mirror; of the back the article prints
-        only that e is lower.
+        Diamonds: ends of the range printed for the mirror; of the back the article prints only
+        that e is lower.
     """,
     evidence_labels=SMOOTH,
 )
@@ -207,28 +206,28 @@ def draw_fig07(sheet: Sheet) -> None:
     "fig08",
     "Restitution at several speeds, as a PTIS would measure it",
     """
-        Restitution of [[series.1.60 m/s.case.pair]] against the angle of incidence, by
-        class of speed. Marks: virtual experiments, each sphere with a random initial spin.
-        Curves: the mean sphere without spin or instrument; "all rebounds" is the true mean,
-        seen or not. A mark can lie where the mean sphere is captured.
+        Restitution of [[series.1.60 m/s.case.pair]] against the angle of incidence, by class of
+        speed. Marks: virtual experiments, each sphere with a random initial spin. Curves: the
+        mean sphere without spin or instrument; "all rebounds" is the true mean, seen or not. A
+        mark can lie where the mean sphere is captured.
     """,
     {"restitution": ""},
     data=("fig08",),
     equations="1, 25, 27",
     article="""
-        Measured restitution of steel SST65 on smooth silicon against the angle at three
-        speeds: 1.60, 1.05 and 0.45 m/s.
+        Measured restitution of steel SST65 on smooth silicon against the angle at three speeds:
+        1.60, 1.05 and 0.45 m/s.
     """,
     finding="""
-        In the slowest class the camera misses most rebounds at steep angles, so the
-        measured restitution is slightly too high.
+        In the slowest class the camera misses most rebounds at steep angles, so the measured
+        restitution is slightly too high.
     """,
     method=SPINNING,
     as_shipped="""
-        Each class of speed is named by the middle of the range that is printed for it. In
-        the slowest class, and at steep angles, the camera misses more than half of the
-        rebounds, mainly the slow ones; the measured means are therefore too high. Diamonds:
-        values printed in the article.
+        Each class of speed is named by the middle of the range that is printed for it. In the
+        slowest class, and at steep angles, the camera misses more than half of the rebounds,
+        mainly the slow ones; the measured means are therefore too high. Diamonds: values
+        printed in the article.
     """,
     contact=TWO_STAGES,
     evidence_labels=NO_SPIN,
@@ -243,10 +242,10 @@ def draw_fig08(sheet: Sheet) -> None:
     "fig09",
     "Impulse ratio at several speeds, as a PTIS would measure it",
     """
-        Impulse ratio of [[series.1.60 m/s.case.pair]] against the angle of incidence, by
-        class of speed. Marks: virtual experiments, each sphere with a random initial spin.
-        Curves: the mean sphere without spin or instrument. Dashed: the rigid body model
-        with Coulomb friction of the same coefficient, without spin.
+        Impulse ratio of [[series.1.60 m/s.case.pair]] against the angle of incidence, by class
+        of speed. Marks: virtual experiments, each sphere with a random initial spin. Curves:
+        the mean sphere without spin or instrument. Dashed: the rigid body model with Coulomb
+        friction of the same coefficient, without spin.
     """,
     {"impulse_ratio": ""},
     data=("fig09",),
@@ -256,8 +255,7 @@ def draw_fig08(sheet: Sheet) -> None:
         friction from the rigid body model.
     """,
     finding="""
-        A mean spin brings the impulse ratio to zero and below; adhesion at low speed raises
-        it.
+        A mean spin brings the impulse ratio to zero and below; adhesion at low speed raises it.
     """,
     method=SPINNING,
     as_shipped="""
@@ -286,8 +284,8 @@ def draw_fig09(sheet: Sheet) -> None:
     equations="3, 14, 25, 27",
     article="Measured energy loss of the same impacts as in Fig. 8.",
     finding="""
-        The slowest spheres lose a clearly larger share of their energy; a mean spin lowers
-        the loss.
+        The slowest spheres lose a clearly larger share of their energy; a mean spin lowers the
+        loss.
     """,
     method=SPINNING,
     contact=TWO_STAGES,
@@ -304,28 +302,29 @@ def draw_fig10(sheet: Sheet) -> None:
     "Rebounds of [[series.spore on silicon.case.pair]] and [[series.steel on silicon.case.pair]], as a PTIS would measure them",
     """
         Restitution, impulse ratio and loss of translational energy against the angle of
-        incidence, for [[series.spore on silicon.case.pair]] (filled) and [[series.silicon
-        front.case.pair]] (open). Marks: virtual experiments with 95 % intervals. Coloured
-        curves: the same contacts, smooth; dashed: all rebounds of the rough particles, seen
-        or not. Black: Coulomb friction.
+        incidence, for [[series.spore on silicon.case.pair]] (filled) and
+        [[series.steel on silicon.case.pair]] (open). Marks: virtual experiments with 95 %
+        intervals. Coloured curves: the same contacts, smooth; dashed: all rebounds of the rough
+        particles, seen or not. Black: Coulomb friction.
     """,
     COEFFICIENTS,
     data=("fig11",),
     equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
     article="""
-        Measured restitution, impulse ratio and energy loss of Lycopodium spores and of
-        steel SST76 on silicon, against the angle.
+        Measured restitution, impulse ratio and energy loss of Lycopodium spores and of steel
+        SST76 on silicon, against the angle.
     """,
     finding="""
-        Rough spores give the scattered, high restitutions that smooth steel on the same
-        silicon does not.
+        Rough spores give the scattered, high restitutions that smooth steel on the same silicon
+        does not.
     """,
     method=IMAGED,
     as_shipped="""
-        Lycopodium spores are not spheres; their slopes, [[series.spore on
-        silicon.particle_slope:.2f]] rad per axis, are assumed. Speeds are [[series.spore on
-        silicon.speed_m_per_s:.2f]] m/s for spores and [[series.silicon
-        front.speed_m_per_s:.2f]] m/s for steel. Diamonds: values printed in the article.
+        Lycopodium spores are not spheres; their slopes,
+        [[series.spore on silicon.particle_slope:.2f]] rad per axis, are assumed. Speeds are
+        [[series.spore on silicon.speed_m_per_s:.2f]] m/s for spores and
+        [[series.steel on silicon.speed_m_per_s:.2f]] m/s for steel. Diamonds: values printed in
+        the article.
     """,
     contact=TWO_STAGES,
     evidence_labels=SMOOTH,
@@ -348,10 +347,10 @@ def draw_fig11(sheet: Sheet) -> None:
     "Rebounds of [[series.spore on Formica.case.pair]] and [[series.steel on Formica.case.pair]], as a PTIS would measure them",
     """
         Restitution, impulse ratio and loss of translational energy against the angle of
-        incidence, for [[series.spore on Formica.case.pair]] (filled) and [[series.steel on
-        Formica.case.pair]] (open). Marks: virtual experiments with 95 % intervals. Coloured
-        curves: the same contacts, smooth; dashed, dash-dotted: all rebounds, seen or not.
-        Black: Coulomb friction.
+        incidence, for [[series.spore on Formica.case.pair]] (filled) and
+        [[series.steel on Formica.case.pair]] (open). Marks: virtual experiments with 95 %
+        intervals. Coloured curves: the same contacts, smooth; dashed, dash-dotted: all
+        rebounds, seen or not. Black: Coulomb friction.
     """,
     COEFFICIENTS,
     data=("fig12",),
@@ -363,9 +362,10 @@ def draw_fig11(sheet: Sheet) -> None:
     """,
     method=IMAGED,
     as_shipped="""
-        Lycopodium spores are not spheres; all slopes are assumed: [[series.spore on
-        Formica.surface_slope:.2f]] rad per axis of the surface and [[series.spore on
-        Formica.particle_slope:.2f]] of the spores. Diamonds: values printed in the article.
+        Lycopodium spores are not spheres; all slopes are assumed:
+        [[series.spore on Formica.surface_slope:.2f]] rad per axis of the surface and
+        [[series.spore on Formica.particle_slope:.2f]] of the spores. Diamonds: values printed
+        in the article.
     """,
     evidence_labels=SMOOTH,
 )

@@ -15,15 +15,15 @@ if TYPE_CHECKING:
     "Trends of the coefficients of restitution and adhesion",
     """
         Restitution without adhesion R, adhesion coefficient rho, and restitution e = R (1 -
-        rho) against the normal impact speed, by Eqs. 32 to 34 with assumed constants. At
-        the capture velocity rho is 1; slower spheres are captured.
+        rho) against the normal impact speed, by Eqs. 32 to 34 with assumed constants. At the
+        capture velocity rho is 1; slower spheres are captured.
     """,
     {"trends": ""},
     data=("fig14",),
     equations="32, 33, 34",
     article="""
-        A sketch without scales of how the coefficients of restitution and adhesion run with
-        the normal speed.
+        A sketch without scales of how the coefficients of restitution and adhesion run with the
+        normal speed.
     """,
     finding="The slower the impact, the larger the part of the rebound that adhesion takes.",
     width="single",

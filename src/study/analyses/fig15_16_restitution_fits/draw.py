@@ -80,29 +80,29 @@ def draw_fits(
     "fig15",
     "Restitution of several pairs near capture, and fits of the empirical equations",
     """
-        Restitution against the normal impact speed: simulated, and fitted by Eq. 34 with
-        all constants free. A fitted curve begins at the capture velocity v_c that the fit
-        finds. Diamonds on the axis: printed capture velocities, in the order of the numbers
-        in the legend.
+        Restitution against the normal impact speed: simulated, and fitted by Eq. 34 with all
+        constants free. A fitted curve begins at the capture velocity v_c that the fit finds.
+        Diamonds on the axis: printed capture velocities, in the order of the numbers in the
+        legend.
     """,
     PANELS,
     data=("fig15",),
     views=ENLARGED,
     equations="25, 34",
     article="""
-        Points measured by others, with fits of the empirical equations: polystyrene latex
-        on quartz (capture velocity 0.967 m/s), ammonium fluorescein on molybdenum (1.47)
-        and on mica (1.10).
+        Points measured by others, with fits of the empirical equations: polystyrene latex on
+        quartz (capture velocity 0.967 m/s), ammonium fluorescein on molybdenum (1.47) and on
+        mica (1.10).
     """,
     finding="""
         A fit of Eq. 34 puts the capture velocity slightly too low; that of fluorescein on
         molybdenum is not fixed by what is printed.
     """,
     as_shipped="""
-        The work of adhesion of polystyrene latex on quartz and of ammonium fluorescein on
-        mica is calibrated to the printed capture velocity. Ammonium fluorescein on
-        molybdenum is predicted from the ring force and the two printed force ratios; the
-        dash-dotted curves are the limits that these allow.
+        The work of adhesion of polystyrene latex on quartz and of ammonium fluorescein on mica
+        is calibrated to the printed capture velocity. Ammonium fluorescein on molybdenum is
+        predicted from the ring force and the two printed force ratios; the dash-dotted curves
+        are the limits that these allow.
     """,
     tables={
         "restitution_fits": "Every fit of Eq. 34 with its capture velocity, the simulated and the printed one.",
@@ -120,28 +120,27 @@ def draw_fig15(sheet: Sheet) -> None:
     "Restitution of calibrated contacts, and fits of the empirical equations",
     """
         Restitution against the normal impact speed, simulated for calibrated contacts and
-        fitted by Eq. 34 with all constants free. A fitted curve begins at the capture
-        velocity that the fit finds.
+        fitted by Eq. 34 with all constants free. A fitted curve begins at the capture velocity
+        that the fit finds.
     """,
     PANELS,
     data=("fig16",),
     views=ENLARGED,
     equations="25, 34",
     article="""
-        A simulation of steel on silicon, based on measured points, and the fit of the
-        empirical equations; capture velocity 0.18 m/s.
+        A simulation of steel on silicon, based on measured points, and the fit of the empirical
+        equations; capture velocity 0.18 m/s.
     """,
     finding="""
         A fit of Eq. 34 puts the capture velocity of both members of the family slightly too
         low.
     """,
     method="""
-        n is the rate exponent of the adhesion damping, whose coefficient falls with the
-        impact speed as v^-n. The constants of the fits are in the table restitution_fits.
+        n is the rate exponent of the adhesion damping, whose coefficient falls with the impact
+        speed as v^-n. The constants of the fits are in the table restitution_fits.
     """,
     as_shipped="""
-        The diamond is the printed capture velocity, which both simulations meet by
-        calibration.
+        The diamond is the printed capture velocity, which both simulations meet by calibration.
     """,
     contact=TWO_STAGES,
 )

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     "Impulse ratio for Coulomb friction in the rigid body model",
     """
         Impulse ratio against the angle of incidence at e = [[restitution:.2f]], rigid body
-        model. (a) Without spin, for several friction coefficients f: sliding spheres have
-        the ratio f, rolling ones follow one curve. (b) With an initial spin at f =
+        model. (a) Without spin, for several friction coefficients f: sliding spheres have the
+        ratio f, rolling ones follow one curve. (b) With an initial spin at f =
         [[spin_friction:.2f]]; r omega / v is positive in the sense of rolling.
     """,
     {
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
         angle of incidence.
     """,
     finding="""
-        A sphere without spin slides at shallow angles and rolls at steep ones; with spin
-        the friction impulse vanishes at another angle.
+        A sphere without spin slides at shallow angles and rolls at steep ones; with spin the
+        friction impulse vanishes at another angle.
     """,
     height_mm=74.0,
 )

@@ -21,26 +21,26 @@ if TYPE_CHECKING:
     "fig18",
     "Impulse ratio against the angle, rigid body model and simulation",
     """
-        Impulse ratio against the angle of incidence for [[case.pair]], [[diameter_um:g]]
-        µm, f = [[friction:g]], [[speed_m_per_s:.2f]] m/s. (a) Rigid body model and dynamic
+        Impulse ratio against the angle of incidence for [[case.pair]], [[diameter_um:g]] µm, f
+        = [[friction:g]], [[speed_m_per_s:.2f]] m/s. (a) Rigid body model and dynamic
         simulation, in which adhesion adds to the force that friction acts on. (b) The
-        simulation with each of three normal forces in Coulomb's law: compressive part,
-        Hertz force alone, and net force (Eq. 27).
+        simulation with each of three normal forces in Coulomb's law: compressive part, Hertz
+        force alone, and net force (Eq. 27).
     """,
     {"adhesion": "rigid body model and simulation", "basis": "normal force in Coulomb's law"},
     data=("fig18",),
     equations="4, 12, 13, 25, 27",
     article="""
-        Measured impulse ratio of steel on silicon against the angle, with a curve of the
-        rigid body model (dashed) and one of the simulation (solid).
+        Measured impulse ratio of steel on silicon against the angle, with a curve of the rigid
+        body model (dashed) and one of the simulation (solid).
     """,
     finding="Adhesion raises the impulse ratio above the friction coefficient at shallow angles.",
     method="The rigid body model has the restitution of the normal impact. Contact [[case]].",
     as_shipped="""
         Shaded: 5 to 95 % of the posterior contacts (figure evidence), each with its own
-        friction coefficient and normal force in Coulomb's law, as far as they rebound.
-        Circles: the virtual experiments of Fig. 6 on the smooth front; their agreement is
-        by construction.
+        friction coefficient and normal force in Coulomb's law, as far as they rebound. Circles:
+        the virtual experiments of Fig. 6 on the smooth front; their agreement is by
+        construction.
     """,
     contact=TWO_STAGES,
     height_mm=74.0,
@@ -75,26 +75,24 @@ def draw_fig18(sheet: Sheet) -> None:
         Energy loss, as a fraction of the initial translational energy, against the angle of
         incidence for [[case.pair]], [[diameter_um:g]] µm, f = [[friction:g]],
         [[speed_m_per_s:.2f]] m/s. Solid: loss of all kinetic energy. Dashed: loss of
-        translational energy alone (T_L of Eq. 3). Grey: the energy of the spin after
-        impact.
+        translational energy alone (T_L of Eq. 3). Grey: the energy of the spin after impact.
     """,
     {"loss": ""},
     data=("fig21",),
     equations="3, 14 total, 25, 27, 29",
     article="""
         Measured energy loss of steel on silicon against the angle, with two curves of the
-        simulation: of the whole loss (solid) and without the energy of the final spin
-        (dashed).
+        simulation: of the whole loss (solid) and without the energy of the final spin (dashed).
     """,
     finding="""
-        A measurement of velocities overstates the loss, because the energy of the final
-        spin is counted as lost.
+        A measurement of velocities overstates the loss, because the energy of the final spin is
+        counted as lost.
     """,
     method="Dynamic simulation, contact [[case]].",
     as_shipped="""
         Dotted: 5 to 95 % of the translational losses of the posterior contacts that rebound
-        (figure evidence). Circles: the virtual experiments of Fig. 6 on the smooth front,
-        whose loss is the translational one; their agreement is by construction.
+        (figure evidence). Circles: the virtual experiments of Fig. 6 on the smooth front, whose
+        loss is the translational one; their agreement is by construction.
     """,
     contact=TWO_STAGES,
     width="single",

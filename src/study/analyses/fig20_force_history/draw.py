@@ -15,24 +15,24 @@ if TYPE_CHECKING:
     "Normal force during an impact, and its terms",
     """
         Normal force against time for a sphere of [[diameter_um:.1f]] µm of [[case.pair]] at
-        [[speed_m_per_s:.1f]] m/s, and its four terms; compression is positive. (a) The
-        whole contact. (b) Enlarged: the force is attractive near the beginning and, more
-        strongly, near the end.
+        [[speed_m_per_s:.1f]] m/s, and its four terms; compression is positive. (a) The whole
+        contact. (b) Enlarged: the force is attractive near the beginning and, more strongly,
+        near the end.
     """,
     {"force": "whole contact", "dips": "enlarged: attraction near both ends"},
     data=("fig20",),
     views={"dips": "force"},
     equations="19, 25, 30",
     article="""
-        The simulated normal force and its terms against time, for ammonium fluorescein of
-        4.9 µm on molybdenum at 5.2 m/s with a ring force of 8.90 N/m.
+        The simulated normal force and its terms against time, for ammonium fluorescein of 4.9
+        µm on molybdenum at 5.2 m/s with a ring force of 8.90 N/m.
     """,
     finding="Adhesion attracts at both ends of the contact, and dissipates at the second.",
     method="Contact [[case]].",
     as_shipped="""
-        The adhesion damping is calibrated to the printed ratio of dissipative to total
-        adhesion (1/5); the damping of the Hertz force is zero by choice. Shaded: 5 to 95 %
-        of the net forces of contacts consistent with the printed statements.
+        The adhesion damping is calibrated to the printed ratio of dissipative to total adhesion
+        (1/5); the damping of the Hertz force is zero by choice. Shaded: 5 to 95 % of the net
+        forces of contacts consistent with the printed statements.
     """,
 )
 def draw_fig20(sheet: Sheet) -> None:

@@ -14,11 +14,10 @@ if TYPE_CHECKING:
     "fig23",
     "Monte Carlo analysis of impacts on a rough surface",
     """
-        Monte Carlo means on a rough surface, rigid body model: (a) restitution less its
-        value at [[reference_angle_deg:.0f]]°, (b) impulse ratio. Dashed: smooth surface.
-        Solid: facets equally likely. Dash-dotted: facets weighted by projected area. Band:
-        95 % of the means of [[events_measured]] events. Marks: virtual experiments of Fig.
-        12.
+        Monte Carlo means on a rough surface, rigid body model: (a) restitution less its value
+        at [[reference_angle_deg:.0f]]°, (b) impulse ratio. Dashed: smooth surface. Solid:
+        facets equally likely. Dash-dotted: facets weighted by projected area. Band: 95 % of the
+        means of [[events_measured]] events. Marks: virtual experiments of Fig. 12.
     """,
     {
         "restitution": "restitution, less its value at [[reference_angle_deg:.0f]]°",
@@ -27,21 +26,20 @@ if TYPE_CHECKING:
     data=("fig23", "fig23_points"),
     equations="12, 13, 35, 36",
     article="""
-        Monte Carlo results of the rigid body model with random slopes and diameters
-        (solid), and measured points with error bars and the result without randomness
-        (dashed).
+        Monte Carlo results of the rigid body model with random slopes and diameters (solid),
+        and measured points with error bars and the result without randomness (dashed).
     """,
     finding="Random slopes alone raise the mean restitution at shallow angles above one.",
     method="""
-        Unless their distribution is declared, slopes are normal and as wide as each
-        weighting needs for the printed e = [[slope_inference.restitution:g]] at
-        [[slope_inference.angle_deg:.0f]]° (table slope_inference); (a) is then calibrated
-        at that angle, and (b) predicted. Only spheres that rebound from the nominal surface
-        count. Off-scale means are given at the top.
+        Unless their distribution is declared, slopes are normal and as wide as each weighting
+        needs for the printed e = [[slope_inference.restitution:g]] at
+        [[slope_inference.angle_deg:.0f]]° (table slope_inference); (a) is then calibrated at
+        that angle, and (b) predicted. Only spheres that rebound from the nominal surface count.
+        Off-scale means are given at the top.
     """,
     as_shipped="""
-        Diameter, speed and slope are drawn independently. Two standard errors of the curves
-        are below the width of their lines.
+        Diameter, speed and slope are drawn independently. Two standard errors of the curves are
+        below the width of their lines.
     """,
     contact=TWO_STAGES,
     tables={

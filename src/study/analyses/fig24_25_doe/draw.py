@@ -43,32 +43,33 @@ LABEL_GAP = 4.5
     "fig24",
     "Effects of five factors on the capture velocity, realistic levels",
     """
-        Effects of stiffness (A), work of adhesion (B), radius (C), damping of adhesion (D)
-        and of the material (E), and of their interactions, on the capture velocity, exact
-        and by a fit of Eq. 34. Levels: the uncertainty of each factor. (a) Normal plot. (b)
-        Half-normal plot; green: effects on ln v_c.
+        Effects of stiffness (A), work of adhesion (B), radius (C), damping of adhesion (D) and
+        of the material (E), and of their interactions, on the capture velocity, exact and by a
+        fit of Eq. 34. Levels: the uncertainty of each factor. (a) Normal plot. (b) Half-normal
+        plot; green: effects on ln v_c.
     """,
     {"normal": "normal plot of effects", "half_normal": "half-normal plot"},
     data=("fig24",),
     equations="23, 24, 25, 34",
     article="""
-        Effects of the factors and of their interactions on the capture velocity, with
-        realistic variations of each.
+        Effects of the factors and of their interactions on the capture velocity, with realistic
+        variations of each.
     """,
     finding="""
         Radius and the damping of adhesion have the largest effects; the capture velocity is
         nearly a power law of all factors.
     """,
     method="""
-        Fraction [[generator]] of a two-level design about [[drawn_case]]. Labelled in (a)
-        are the factors, the interactions as large as one of A to D, and all beyond Lenth's
-        margin; of a sum of effects, as A+BD, the fraction does not tell the parts. The responses are deterministic: Lenth's margins only separate large effects
-        from small ones; the simultaneous margin is the one for all effects at once. Margins
-        are for the exact capture velocity.
+        Fraction [[generator]] of a two-level design about [[drawn_case]]. Labelled in (a) are
+        the factors, the interactions as large as one of A to D, and all beyond Lenth's margin;
+        of a sum of effects, as A+BD, the fraction does not tell the parts. The responses are
+        deterministic: Lenth's margins only separate large effects from small ones; the
+        simultaneous margin is the one for all effects at once. Margins are for the exact
+        capture velocity.
     """,
     as_shipped="""
-        The interactions nearly vanish for the logarithm. D exceeds B here; the article
-        names C and B.
+        The interactions nearly vanish for the logarithm. D exceeds B here; the article names C
+        and B.
     """,
     contact=TWO_STAGES,
     tables={
@@ -93,17 +94,16 @@ def draw_fig24(sheet: Sheet) -> None:
     "fig25",
     "Effects of five factors on the capture velocity, uniform levels",
     """
-        As Fig. 24, with levels equally far, in proportion, to either side of the nominal
-        value of every factor. The effects of work of adhesion (B) and radius (C) differ
-        only in sign, and so do their interactions with any other factor.
+        As Fig. 24, with levels equally far, in proportion, to either side of the nominal value
+        of every factor. The effects of work of adhesion (B) and radius (C) differ only in sign,
+        and so do their interactions with any other factor.
     """,
     {"normal": "normal plot of effects", "half_normal": "half-normal plot"},
     data=("fig25",),
     equations="23, 24, 25, 34",
     article="The same with an equal variation of five percent of every factor.",
     finding="""
-        With equal relative levels, work of adhesion and radius act through their ratio
-        alone.
+        With equal relative levels, work of adhesion and radius act through their ratio alone.
     """,
     method="Levels are in the table doe_levels.",
     contact=TWO_STAGES,

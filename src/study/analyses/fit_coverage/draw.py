@@ -34,9 +34,9 @@ LOOKS_AVERAGED_COVERAGE_TAKEN_AS_EXACT = {
     "Capture velocity that Eq. 34 finds from data that never reach capture",
     """
         Error of v_c by Eq. 34, and coverage of its [[confidence:.0%]] profile likelihood
-        interval, from [[sets]] virtual experiments per mark that do not reach capture; q
-        free (open) and fixed at [[fixed_exponent]] (filled). Left: the truth is Eq. 34.
-        Right: the truth is the simulation of [[case]].
+        interval, from [[sets]] virtual experiments per mark that do not reach capture; q free
+        (open) and fixed at [[fixed_exponent]] (filled). Left: the truth is Eq. 34. Right: the
+        truth is the simulation of [[case]].
     """,
     {
         "bias, Eq. 34": "bias, true curve Eq. 34",
@@ -53,11 +53,10 @@ LOOKS_AVERAGED_COVERAGE_TAKEN_AS_EXACT = {
         velocity that nearly always misses the truth.
     """,
     method="""
-        Each set has [[points]] speeds between the lowest one and [[highest_speed_in_v_c:g]]
-        v_c and normal noise of standard deviation sigma_e in e, taken as known. On the left
-        the constants of Eq. 34 are a fit to the simulation with q fixed. Bars are 95 %
-        intervals of the share; marks of coverage are moved sideways, and thin lines guide
-        the eye.
+        Each set has [[points]] speeds between the lowest one and [[highest_speed_in_v_c:g]] v_c
+        and normal noise of standard deviation sigma_e in e, taken as known. On the left the
+        constants of Eq. 34 are a fit to the simulation with q fixed. Bars are 95 % intervals of
+        the share; marks of coverage are moved sideways, and thin lines guide the eye.
     """,
     contact=TWO_STAGES,
     tables={
@@ -102,10 +101,10 @@ def draw_capture_recovery(sheet: Sheet) -> None:
     "Interval of the capture velocity averaged over models",
     """
         How often the interval that `microimpact fit` recommends, averaged over its models,
-        contains the true v_c (nominally [[confidence:.0%]]), against the scatter of sizes
-        and speeds. Left: these are taken as exact. Middle: their scatter is given, or found
-        in the data. Right: `microimpact calibrate` predicts other sizes, nominally 90 %.
-        Bars: 95 % intervals.
+        contains the true v_c (nominally [[confidence:.0%]]), against the scatter of sizes and
+        speeds. Left: these are taken as exact. Middle: their scatter is given, or found in the
+        data. Right: `microimpact calibrate` predicts other sizes, nominally 90 %. Bars: 95 %
+        intervals.
     """,
     {
         "taken as exact": "taken as exact",
@@ -115,15 +114,15 @@ def draw_capture_recovery(sheet: Sheet) -> None:
     data=("averaged_coverage",),
     equations="25, 34",
     finding="""
-        The recommended interval holds the true capture velocity about as often as it says,
-        if the scatter of sizes and speeds is given.
+        The recommended interval holds the true capture velocity about as often as it says, if
+        the scatter of sizes and speeds is given.
     """,
     method="""
         Data sets of [[points]] speeds with noise of 0.01 in e, of Eq. 34, of the laws of
-        contact, and of a curve that no model has: designs of config/fit_coverage.csv, of
-        which a run computes some again. Scatter of sizes and speeds is added in squares;
-        marks of the same scatter are moved apart. Predictions are intervals of contacts by
-        four laws, from data of one size: config/capture_predictions.csv.
+        contact, and of a curve that no model has: designs of config/fit_coverage.csv, of which
+        a run computes some again. Scatter of sizes and speeds is added in squares; marks of the
+        same scatter are moved apart. Predictions are intervals of contacts by four laws, from
+        data of one size: config/capture_predictions.csv.
     """,
     contact=TWO_STAGES,
     tables={

@@ -45,10 +45,10 @@ LAWS: dict[str, tuple[str, dict[str, Any]]] = {
     "evidence",
     "Capture velocity and work of adhesion that the article's statements prefer, by law of contact",
     """
-        Median and 5 to 95 % of (a) the capture velocity and (b) the work of adhesion, by
-        law of contact, a line per set of statements that count: scenarios; the first of
-        them with one statement less; the first with another choice. Black: all laws, each
-        with the weight of its evidence. Grey: from few contacts. Dotted: printed.
+        Median and 5 to 95 % of (a) the capture velocity and (b) the work of adhesion, by law of
+        contact, a line per set of statements that count: scenarios; the first of them with one
+        statement less; the first with another choice. Black: all laws, each with the weight of
+        its evidence. Grey: from few contacts. Dotted: printed.
     """,
     {"capture velocity": "capture velocity", "work of adhesion": "work of adhesion"},
     data=("evidence_limits", "evidence_works"),
@@ -58,12 +58,11 @@ LAWS: dict[str, tuple[str, dict[str, Any]]] = {
         steel on silicon.
     """,
     method="""
-        At [[pairs.steel-silicon.diameter_um:g]] µm. Each law is weighed by the same
-        statements (table evidence_statements) over broad ranges of its parameters (table
-        evidence_summary). Laws are left out that have no contact which misses no statement
-        by more than two standard errors, of its tails and of the normal about which
-        velocities are measured. The size of the spheres that the printed capture velocity
-        is of is not stated.
+        At [[pairs.steel-silicon.diameter_um:g]] µm. Each law is weighed by the same statements
+        (table evidence_statements) over broad ranges of its parameters (table
+        evidence_summary). Laws are left out that have no contact which misses no statement by
+        more than two standard errors, of its tails and of the normal about which velocities are
+        measured. The size of the spheres that the printed capture velocity is of is not stated.
     """,
     tables={
         "evidence_summary": "Median and 5 to 95 % of every quantity by scenario and law, evidence "
@@ -139,10 +138,10 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, *, named: bool) -> None:
     "posterior_bands",
     "Restitution that the article's statements prefer, by law of contact",
     """
-        Restitution against the normal speed over posterior contacts: median and 5 to 95 %,
-        by law of contact, (a, c) without the printed capture velocity and (b, d) with it.
-        Black lines: the single contacts of the other figures. Diamonds: printed for oblique
-        impact, with their intervals; on the axis: printed capture velocities.
+        Restitution against the normal speed over posterior contacts: median and 5 to 95 %, by
+        law of contact, (a, c) without the printed capture velocity and (b, d) with it. Black
+        lines: the single contacts of the other figures. Diamonds: printed for oblique impact,
+        with their intervals; on the axis: printed capture velocities.
     """,
     {
         "steel-silicon, without the printed v_c": "steel on silicon, without the printed $v_c$",
@@ -153,16 +152,16 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, *, named: bool) -> None:
     data=("posterior_bands",),
     equations="25",
     finding="""
-        Above 0.3 m/s the laws agree; below, they part, and the printed statements do not
-        reach there.
+        Above 0.3 m/s the laws agree; below, they part, and the printed statements do not reach
+        there.
     """,
     method="""
         (a, b) [[pairs.steel-silicon.diameter_um:g]] µm; (c, d)
-        [[pairs.fluorescein-molybdenum.diameter_um:g]] µm, of which no restitution is
-        printed. The restitution of about 0.50 is of "about 10 deg or less": it is drawn at
-        three angles from 10 to 5°. Excluded laws are left out. The single contacts of
-        fluorescein are from the two force ratios of Fig. 20, with corners of the ranges
-        (c_H = 0, n = 0) that the bands leave out.
+        [[pairs.fluorescein-molybdenum.diameter_um:g]] µm, of which no restitution is printed.
+        The restitution of about 0.50 is of "about 10 deg or less": it is drawn at three angles
+        from 10 to 5°. Excluded laws are left out. The single contacts of fluorescein are from
+        the two force ratios of Fig. 20, with corners of the ranges (c_H = 0, n = 0) that the
+        bands leave out.
     """,
     contact=TWO_STAGES,
     height_mm=150.0,

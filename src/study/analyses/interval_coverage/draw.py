@@ -23,20 +23,20 @@ if TYPE_CHECKING:
     data=("coverage_by_speed", "coverage_by_angle"),
     equations="1, 25",
     finding="""
-        Where many rebounds cannot be seen, the 95 % interval of the mean misses the mean of
-        all rebounds.
+        Where many rebounds cannot be seen, the 95 % interval of the mean misses the mean of all
+        rebounds.
     """,
     method="""
-        The interval contains sampling, and the error of the probe's height or of the
-        target's angle. The table adds the mean over all impacts, in which captured
-        particles count as zero. (a) [[case.pair]]. (b) At [[cases.smooth,
-        oblique.speeds_m_per_s.0:.2f]] m/s, a smooth and a rough surface, and at
-        [[cases.slow, oblique.speeds_m_per_s.0:.2f]] m/s, a smooth surface.
+        The interval contains sampling, and the error of the probe's height or of the target's
+        angle. The table adds the mean over all impacts, in which captured particles count as
+        zero. (a) [[case.pair]]. (b) At [[cases.smooth, oblique.speeds_m_per_s.0:.2f]] m/s, a
+        smooth and a rough surface, and at [[cases.slow, oblique.speeds_m_per_s.0:.2f]] m/s, a
+        smooth surface.
     """,
     as_shipped="""
         At low speed the height of the probe decides which rebounds can be seen, but the
-        interval contains its error only as an error of the correction. The imaging rejects
-        most slow rebounds at steep angles.
+        interval contains its error only as an error of the correction. The imaging rejects most
+        slow rebounds at steep angles.
     """,
     contact=TWO_STAGES,
     height_mm=75.0,

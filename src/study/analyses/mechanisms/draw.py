@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     "Mechanisms proposed for the measured means, each alone",
     """
         Means of virtual impacts without errors of measurement. (a) Impulse ratio
-        ([[drawn_case]]) at [[spin.dropped.speed_m_per_s:.2f]] m/s with several mean spins.
-        (b) Restitution at [[slope.swept.speed_m_per_s:.2f]] m/s against the spread of
-        slopes. (c) Restitution of [[spore.spore.case.pair]] by slopes, by points off the
-        centre, and as imaged. (d) Impulse ratio by adhesion and by slopes.
+        ([[drawn_case]]) at [[spin.dropped.speed_m_per_s:.2f]] m/s with several mean spins. (b)
+        Restitution at [[slope.swept.speed_m_per_s:.2f]] m/s against the spread of slopes. (c)
+        Restitution of [[spore.spore.case.pair]] by slopes, by points off the centre, and as
+        imaged. (d) Impulse ratio by adhesion and by slopes.
     """,
     {
         "spin": "initial spin",
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     data=("causes", "causes_slope", "causes_shallow"),
     equations="1, 2, 25, 27",
     finding="""
-        Of the proposed mechanisms, only a mean spin brings the impulse ratio to zero, and
-        only slopes bring restitution above one.
+        Of the proposed mechanisms, only a mean spin brings the impulse ratio to zero, and only
+        slopes bring restitution above one.
     """,
     method="In (c) error bars are of [[events]] events. (d) shows two speeds.",
     as_shipped="""
-        In (a), with mean zero the mean ratio cannot fall to zero; with a mean spin it is
-        lowest at steep angles. In (d) the impulse ratio by adhesion follows the normal
-        speed, by slopes it does not.
+        In (a), with mean zero the mean ratio cannot fall to zero; with a mean spin it is lowest
+        at steep angles. In (d) the impulse ratio by adhesion follows the normal speed, by
+        slopes it does not.
     """,
     contact=TWO_STAGES,
     tables={

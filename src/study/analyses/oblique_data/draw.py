@@ -14,29 +14,29 @@ if TYPE_CHECKING:
     "oblique_rebounds",
     "Oblique rebounds that others measured, and three laws of the contact along the surface",
     """
-        Spheres of aluminium oxide, [[diameter_um:.0f]] µm, on glass at [[speed_m_per_s:g]]
-        m/s, measured by Kharaz et al. 2001 (two readings of their figure), and three laws.
-        (a) Tangential velocity after over before impact. (b) Spin. (c) Velocity of the
-        contact point, turned round, against the slip in units of what friction just stops;
-        zero is rolling.
+        Spheres of aluminium oxide, [[diameter_um:.0f]] µm, on glass at [[speed_m_per_s:g]] m/s,
+        measured by Kharaz et al. 2001 (two readings of their figure), and three laws. (a)
+        Tangential velocity after over before impact. (b) Spin. (c) Velocity of the contact
+        point, turned round, against the slip in units of what friction just stops; zero is
+        rolling.
     """,
     {"velocity": "tangential velocity", "spin": "spin", "contact point": "contact point"},
     data=("oblique_velocity", "oblique_spin", "contact_point"),
     equations="27, 29",
     finding="""
-        Measured rebounds follow Mindlin's partial slip where spheres stick; a rigid contact
-        and a single spring do not.
+        Measured rebounds follow Mindlin's partial slip where spheres stick; a rigid contact and
+        a single spring do not.
     """,
     method="""
         We fit nothing, but friction [[friction:g]] and restitution [[restitution:g]] are
-        literature values that may themselves have been fitted to these data; agreement in
-        the sliding regime is therefore a weak test. Powder Technology 120, 2001; angles,
-        given from the normal, are turned into those from the surface. The rigid contact is
-        Eqs. 7, 8 and 12. Diamond in (c): where the article's microspheres cease to slide,
-        about [[microspheres.transition_deg:g]]° give or take
-        [[microspheres.transition_within_deg:g]]°. There a rigid contact and the compliant
-        one of [[microspheres.case]] (dotted) both pass: this angle cannot tell whether
-        microspheres roll; steeper impacts could.
+        literature values that may themselves have been fitted to these data; agreement in the
+        sliding regime is therefore a weak test. Powder Technology 120, 2001; angles, given from
+        the normal, are turned into those from the surface. The rigid contact is Eqs. 7, 8 and
+        12. Diamond in (c): where the article's microspheres cease to slide, about
+        [[microspheres.transition_deg:g]]° give or take
+        [[microspheres.transition_within_deg:g]]°. There a rigid contact and the compliant one
+        of [[microspheres.case]] (dotted) both pass: this angle cannot tell whether microspheres
+        roll; steeper impacts could.
     """,
     contact=TWO_STAGES,
     tables={

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     "doppler_pairs",
     "Pairs in the records of a phase Doppler particle analyser, and their correction to the surface",
     """
-        A virtual phase Doppler analyser (contact [[case]]). (a) A stretch of its records,
-        with the accepted pairs. (b) Share of accepted pairs that are of one sphere. (c)
-        Share of true pairs found. (d) Share of rebounds found. (e) Bias of the restitution
-        by the printed correction for the probe's height, and by the exact one.
+        A virtual phase Doppler analyser (contact [[case]]). (a) A stretch of its records, with
+        the accepted pairs. (b) Share of accepted pairs that are of one sphere. (c) Share of
+        true pairs found. (d) Share of rebounds found. (e) Bias of the restitution by the
+        printed correction for the probe's height, and by the exact one.
     """,
     {
         "stream": "stretch of a stream",
@@ -29,17 +29,16 @@ if TYPE_CHECKING:
     data=("doppler_stream", "pairing_curves", "correction_curves"),
     equations="2.1 incident, 2.1 rebound, 25",
     finding="""
-        The printed correction of the probe's height biases the restitution of slow
-        rebounds; the exact one does not.
+        The printed correction of the probe's height biases the restitution of slow rebounds;
+        the exact one does not.
     """,
     method="""
-        Spheres fall through a small probe volume at a height h above the surface, rebound,
-        and rise through it again; in (a) h = [[instrument.probe_height_mm:g]] mm, and
-        spheres that fall back pass once more, more slowly. The rebounds missing in (d) rose
-        too slowly to reach the probe volume, missed it or dropped out. The printed
-        correction adds a constant to both speeds; curves in (e), in closed form, begin
-        where the rebound reaches the probe volume. Bars are 95 % intervals; marks of one
-        speed are drawn side by side.
+        Spheres fall through a small probe volume at a height h above the surface, rebound, and
+        rise through it again; in (a) h = [[instrument.probe_height_mm:g]] mm, and spheres that
+        fall back pass once more, more slowly. The rebounds missing in (d) rose too slowly to
+        reach the probe volume, missed it or dropped out. The printed correction adds a constant
+        to both speeds; curves in (e), in closed form, begin where the rebound reaches the probe
+        volume. Bars are 95 % intervals; marks of one speed are drawn side by side.
     """,
     contact=TWO_STAGES,
     tables={

@@ -14,11 +14,10 @@ if TYPE_CHECKING:
     "separation",
     "Separation force of a charged particle against the silica on it",
     """
-        Forces that hold an irregular particle of [[diameter_um:g]] µm on a plane, against
-        the weight of silica on it. (a) JKR adhesion. (b) Image attraction of a uniform
-        charge, and of charged patches. Lines: geometric middles of the declared ranges;
-        bands: all combinations of low, middle and high. Marks: printed by Rimai et al.
-        2000.
+        Forces that hold an irregular particle of [[diameter_um:g]] µm on a plane, against the
+        weight of silica on it. (a) JKR adhesion. (b) Image attraction of a uniform charge, and
+        of charged patches. Lines: geometric middles of the declared ranges; bands: all
+        combinations of low, middle and high. Marks: printed by Rimai et al. 2000.
     """,
     {"adhesion": "adhesion", "charge": "attraction of charges"},
     data=("separation",),
@@ -27,14 +26,14 @@ if TYPE_CHECKING:
         attraction of charged patches.
     """,
     method="""
-        Beyond the article: the contribution that the same issue of the journal opens with.
-        (a) shows the bare contact and the spherules that carry the rest, with the silica
-        side by side; dotted and dashed are the limits at the middles for silica that falls
-        at random and may overlap, and for three spherules that lift the whole contact. In
-        (b) the patches are as dense as breakdown allows. Marks: what the abstract of Rimai,
-        Quesnel and Reifenberger (J. Adhesion 74, 2000) states, JKR's force without silica
-        and about 5 % of it at [[compared_silica_fraction:.0%]], on the JKR force of this
-        figure; their bars are the range of that force.
+        Beyond the article: the contribution that the same issue of the journal opens with. (a)
+        shows the bare contact and the spherules that carry the rest, with the silica side by
+        side; dotted and dashed are the limits at the middles for silica that falls at random
+        and may overlap, and for three spherules that lift the whole contact. In (b) the patches
+        are as dense as breakdown allows. Marks: what the abstract of Rimai, Quesnel and
+        Reifenberger (J. Adhesion 74, 2000) states, JKR's force without silica and about 5 % of
+        it at [[compared_silica_fraction:.0%]], on the JKR force of this figure; their bars are
+        the range of that force.
     """,
     tables={
         "particle_separation": "Forces at the middles and over the ranges, and which sentences of the abstract hold.",

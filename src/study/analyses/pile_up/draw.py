@@ -14,22 +14,21 @@ if TYPE_CHECKING:
     "pile_up_onset",
     "Spheres that end on the target, by one impact and by repeated bounces",
     """
-        Share of spheres (contact [[case]]) that rest on a target of [[drawn_radius_mm:.0f]]
-        mm radius with slopes of [[drawn_slope_deg:.0f]]°, against the nominal speed:
-        captured at their first impact, and at rest in the end, for three contacts with the
-        same restitution at high speed. Shaded: speeds at which the article saw spheres pile
-        up.
+        Share of spheres (contact [[case]]) that rest on a target of [[drawn_radius_mm:.0f]] mm
+        radius with slopes of [[drawn_slope_deg:.0f]]°, against the nominal speed: captured at
+        their first impact, and at rest in the end, for three contacts with the same restitution
+        at high speed. Shaded: speeds at which the article saw spheres pile up.
     """,
     {"all": ""},
     data=("pile_up_onset",),
     equations="25",
     finding="""
-        Spheres pile up by repeated bounces at speeds far above capture, so a pile does not
-        show the capture velocity.
+        Spheres pile up by repeated bounces at speeds far above capture, so a pile does not show
+        the capture velocity.
     """,
     method="""
-        Spheres that rebound lose speed at every bounce and are captured on the target
-        unless they leave it before.
+        Spheres that rebound lose speed at every bounce and are captured on the target unless
+        they leave it before.
     """,
     contact=TWO_STAGES,
     tables={

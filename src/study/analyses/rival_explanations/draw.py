@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     "rival_restitution",
     "Restitution that falls by adhesion, and by a probe above the surface",
     """
-        Restitution against the normal impact speed: calibrated contacts of [[cases.pair]],
-        for the mean spheres of two size classes; and spheres of constant restitution
-        [[restitution:.2f]] without adhesion, seen by a probe [[probe_height_mm:g]] mm above
-        the surface with no correction for its height.
+        Restitution against the normal impact speed: calibrated contacts of [[cases.pair]], for
+        the mean spheres of two size classes; and spheres of constant restitution
+        [[restitution:.2f]] without adhesion, seen by a probe [[probe_height_mm:g]] mm above the
+        surface with no correction for its height.
     """,
     {"restitution": ""},
     data=("rival_restitution",),
@@ -27,8 +27,7 @@ if TYPE_CHECKING:
         speeds as adhesion, but no effect of size.
     """,
     as_shipped="""
-        Diamond: printed for oblique impact. Shaded: speeds at which the article saw
-        pile-up.
+        Diamond: printed for oblique impact. Shaded: speeds at which the article saw pile-up.
     """,
     contact=TWO_STAGES,
     tables={

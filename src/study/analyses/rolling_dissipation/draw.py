@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     "rolling",
     "Rolling resistance neglected in an impact",
     """
-        Impulse of the rolling moment that the models neglect over that of friction, against
-        the angle of incidence, for [[cases.pair]], [[drawn_diameter_um:g]] µm. (a) Bound by
-        statics. (b) Hysteresis only where one part of the contact closes while another
-        opens. (c) The model's own damping. Below the black, dashed line: negligible.
+        Impulse of the rolling moment that the models neglect over that of friction, against the
+        angle of incidence, for [[cases.pair]], [[drawn_diameter_um:g]] µm. (a) Bound by
+        statics. (b) Hysteresis only where one part of the contact closes while another opens.
+        (c) The model's own damping. Below the black, dashed line: negligible.
     """,
     {
         "bound": "upper bound (statics)",
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
         statics makes it matter.
     """,
     method="""
-        (a) All pressure at the leading edge of the contact, all adhesion on its trailing
-        half. (b) Hysteresis of the whole loss of the impact and of the whole adhesion. (c) At
-        each point of the contact. n is the rate exponent of the adhesion damping, whose
-        coefficient falls with the impact speed as v^-n. Curves begin above capture.
+        (a) All pressure at the leading edge of the contact, all adhesion on its trailing half.
+        (b) Hysteresis of the whole loss of the impact and of the whole adhesion. (c) At each
+        point of the contact. n is the rate exponent of the adhesion damping, whose coefficient
+        falls with the impact speed as v^-n. Curves begin above capture.
     """,
     contact=TWO_STAGES,
     tables={

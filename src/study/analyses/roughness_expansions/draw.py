@@ -29,9 +29,9 @@ BARS = {"corrected": ("corrected", 0.07, 0), "printed": ("as printed", 0.03, 1)}
     """
         Restitution e_m and impulse ratio -mu_m measured about the nominal normal where the
         sphere strikes a slope phi: exact, by the article's expansions as printed, and
-        corrected. Bars at the foot: where an expansion is within [[tolerance:g]]. (a), (d)
-        At [[drawn_angle_deg:.0f]]°. (b), (e) On a slope of [[drawn_slope_deg:.0f]]°. (c),
-        (f) At normal incidence.
+        corrected. Bars at the foot: where an expansion is within [[tolerance:g]]. (a), (d) At
+        [[drawn_angle_deg:.0f]]°. (b), (e) On a slope of [[drawn_slope_deg:.0f]]°. (c), (f) At
+        normal incidence.
     """,
     {
         "slope restitution": r"$\alpha$ = [[drawn_angle_deg:.0f]]°",
@@ -48,12 +48,12 @@ BARS = {"corrected": ("corrected", 0.07, 0), "printed": ("as printed", 0.03, 1)}
         sign as printed.
     """,
     method="""
-        e = [[restitution:.2f]] and f = [[friction:.2f]] about the local normal; Eqs. 37,
-        38, 41 and e - 9 phi^2/7. With its printed sign Eq. 35 never gives e_m above 1 on a
-        slope that faces the sphere, and has a pole at phi = -alpha/2. The bound in (b) is
-        the largest value that conservation of energy allows. In (c), (f) the sphere rolls
-        at separation; in (f) the spin r omega/v is [[drawn_spin_ratio:g]]; Eq. 41 prints
-        the wrong sign of its spin term.
+        e = [[restitution:.2f]] and f = [[friction:.2f]] about the local normal; Eqs. 37, 38, 41
+        and e - 9 phi^2/7. With its printed sign Eq. 35 never gives e_m above 1 on a slope that
+        faces the sphere, and has a pole at phi = -alpha/2. The bound in (b) is the largest
+        value that conservation of energy allows. In (c), (f) the sphere rolls at separation; in
+        (f) the spin r omega/v is [[drawn_spin_ratio:g]]; Eq. 41 prints the wrong sign of its
+        spin term.
     """,
     height_mm=125.0,
     columns=3,

@@ -37,9 +37,9 @@ APART = 0.2
     "sobol",
     "Sobol' indices of the capture velocity, and effects of the designed experiments",
     """
-        Shares of the variance of the capture velocity of [[cases.pair]], with [[confidence:.0%]]
-        bootstrap intervals. (a-d) Total and first-order indices over the levels of Figs. 24 and
-        25, with shares of the squared effects. (e) Convergence of (a).
+        Shares of the variance of the capture velocity of [[cases.pair]], with
+        [[confidence:.0%]] bootstrap intervals. (a-d) Total and first-order indices over the
+        levels of Figs. 24 and 25, with shares of the squared effects. (e) Convergence of (a).
     """,
     {
         "realistic, steel-silicon, n = 0": "realistic, $n$ = 0",
@@ -58,8 +58,8 @@ APART = 0.2
         The five factors are drawn independently: between realistic levels from lognormal
         distributions, between those of the small variation from uniform ones. n is the rate
         exponent of the adhesion damping, whose coefficient falls with the impact speed as v^-n.
-        Draws without a finite capture velocity have no variance and would be left out; the tables
-        count them.
+        Draws without a finite capture velocity have no variance and would be left out; the
+        tables count them.
     """,
     contact=TWO_STAGES,
     tables={

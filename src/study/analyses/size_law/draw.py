@@ -28,24 +28,23 @@ LINES: tuple[tuple[Line, Line], ...] = (
     """
         (a) Capture velocity of [[steel-silicon, n = 0.pair]] against the diameter over
         posterior contacts, median and 5 to 95 %, by law; black: the single contacts of the
-        other figures. (b) Rebounds per sieve after which the exponents of two laws differ
-        by [[standard_errors:g]] standard errors.
+        other figures. (b) Rebounds per sieve after which the exponents of two laws differ by
+        [[standard_errors:g]] standard errors.
     """,
     {"size": "capture velocity", "impacts": "rebounds per sieve that decide"},
     data=("size_law_curves", "size_law_impacts"),
     equations="25",
     finding="""
-        Rebounds from two sieves tell a constant coefficient from one that falls with the
-        speed, if they are seen down to little above capture.
+        Rebounds from two sieves tell a constant coefficient from one that falls with the speed,
+        if they are seen down to little above capture.
     """,
     method="""
         The published power of the diameter is for other particles. The smaller sieve has
-        [[smaller_um:g]] µm. Rebounds are spread evenly over the logarithm of the speed, up
-        to [[highest_speed_in_v_c:g]] capture velocities, each with an error of
-        [[noise_of_e:g]] in e; sizes within a sieve scatter by [[scatter_of_size:.0%]]. The
-        error of the capture velocity is that of the Fisher information, with the plateau
-        unknown and the shape of e(v) known. Of two laws the one that needs more rebounds is
-        true.
+        [[smaller_um:g]] µm. Rebounds are spread evenly over the logarithm of the speed, up to
+        [[highest_speed_in_v_c:g]] capture velocities, each with an error of [[noise_of_e:g]] in
+        e; sizes within a sieve scatter by [[scatter_of_size:.0%]]. The error of the capture
+        velocity is that of the Fisher information, with the plateau unknown and the shape of
+        e(v) known. Of two laws the one that needs more rebounds is true.
     """,
     contact=TWO_STAGES,
     tables={

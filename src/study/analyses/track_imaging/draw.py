@@ -17,20 +17,19 @@ if TYPE_CHECKING:
     "ptis_frame",
     "A rendered frame of the imaging system and the track found in it",
     """
-        Part of a rendered video field: a sphere of [[particles.diameter_um:.0f]] µm falls
-        at [[frame.speed_m_per_s:.2f]] m/s on a surface inclined to an angle of incidence of
-        [[frame.angle_deg:.0f]]° and rebounds to the right. The chopped light sheet shows
-        its path as dashes. Circles, squares: centroids used. Lines: fitted paths under
-        gravity.
+        Part of a rendered video field: a sphere of [[particles.diameter_um:.0f]] µm falls at
+        [[frame.speed_m_per_s:.2f]] m/s on a surface inclined to an angle of incidence of
+        [[frame.angle_deg:.0f]]° and rebounds to the right. The chopped light sheet shows its
+        path as dashes. Circles, squares: centroids used. Lines: fitted paths under gravity.
     """,
     {"frame": ""},
     data=("ptis_frame", "ptis_pixels"),
     equations="6, 7",
     finding="One frame gives both speeds and both angles of an impact.",
     method="""
-        Dashes near the surface are left out, as the impact bends them. Each path is fitted
-        to all dashes of its leg and followed to the instant at which the sphere's centre is
-        half a diameter above the surface.
+        Dashes near the surface are left out, as the impact bends them. Each path is fitted to
+        all dashes of its leg and followed to the instant at which the sphere's centre is half a
+        diameter above the surface.
     """,
     width="single",
     height_mm=100.0,
@@ -79,11 +78,10 @@ def grey_levels(pixels: pd.DataFrame) -> tuple[np.ndarray, tuple[float, float, f
     "ptis_accuracy",
     "Errors of the speeds measured by the particle trajectory imaging system",
     """
-        Mean relative error of the measured speed at the surface, and scatter of single
-        events to either side, against the speed of incidence at [[drawn_angle_deg:.0f]]°,
-        from rendered frames. Paths under gravity, straight lines at constant speed, and the
-        error model that replaces frames in the virtual experiments. The axis is linear up
-        to 0.1 %.
+        Mean relative error of the measured speed at the surface, and scatter of single events
+        to either side, against the speed of incidence at [[drawn_angle_deg:.0f]]°, from
+        rendered frames. Paths under gravity, straight lines at constant speed, and the error
+        model that replaces frames in the virtual experiments. The axis is linear up to 0.1 %.
     """,
     {"incident": "incident leg", "rebound": "rebound leg"},
     data=("ptis_accuracy",),
@@ -93,9 +91,9 @@ def grey_levels(pixels: pd.DataFrame) -> tuple[np.ndarray, tuple[float, float, f
         several per cent at low speed.
     """,
     method="""
-        Errors that all events of an experiment share are left out. For each speed the field
-        of view and chopper rate are chosen to show most events; where there is no mark, no
-        setting could measure the speed. Marks of one speed are drawn side by side.
+        Errors that all events of an experiment share are left out. For each speed the field of
+        view and chopper rate are chosen to show most events; where there is no mark, no setting
+        could measure the speed. Marks of one speed are drawn side by side.
     """,
     tables={
         "ptis_range": "Events observed, and errors of their speeds, by speed, angle and field of view.",
