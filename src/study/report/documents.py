@@ -7,9 +7,7 @@ claims.
 
 from __future__ import annotations
 
-import re
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +19,12 @@ import yaml
 from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
 from study.declared.documents import load
-from study.ledgers.claims.criteria import CLAIM_NAME, read_claims
+from study.ledgers import counts
+from study.ledgers.claims import amendments
+from study.ledgers.claims.criteria import read_claims
 from study.ledgers.claims.words import agreement, drawn_share, quantities, readable, with_unit
 from study.report.site.figures import label
-from study.report.site.ledgers import Row, by_claim, counted, read_rows
+from study.report.site.ledgers import by_claim, read_rows
 from study.report.site.pages import render
 from study.report.site.record import read_record
 
@@ -185,8 +185,7 @@ def deviations(results: Path, criteria: Path) -> str:
     """
     tables = {name: read_rows(results / f"tables/{name}.csv") for name in LEDGERS}
     equations = tables["equations"]
-    # Rows after the claims are about digitised points of the user's own.
-    claims = [row for row in tables["claims"] if re.match(CLAIM_NAME, row["id"])]
+    claims = tables["claims"]
     parts = (by_claim(tables[name]) for name in LEDGERS[2:])
     evidence, numbers, shares = parts
     declared = read_claims(criteria)
@@ -198,12 +197,11 @@ def deviations(results: Path, criteria: Path) -> str:
     page = render(
         f"{DEVIATIONS}{SUFFIX}",
         templates=Path(__file__).parent,
-        equation_counts=verdict_counts(equations),
-        claim_counts=verdict_counts(counted(claims)),
+        counts=counts,
         equations=equations,
         claims=claims,
         declared=declared,
-        amended=[claim for claim in declared.values() if claim.amendments],
+        amendments=amendments(declared),
         evidence=evidence,
         results=numbers,
         agreement=agreement,
@@ -214,11 +212,6 @@ def deviations(results: Path, criteria: Path) -> str:
         with_unit=with_unit,
     )
     return page.rstrip() + "\n"
-
-
-def verdict_counts(rows: Sequence[Row]) -> dict[str, int]:
-    """Return how many rows of a ledger got each verdict, the most frequent first."""
-    return dict(Counter(row["verdict"] for row in rows).most_common())
 
 
 def renew(results: Path, docs: Path, criteria: Path, kept: Path) -> list[Path]:

@@ -24,8 +24,7 @@ from study.declared.parameters import adapter
 from study.declared.provenance import EVIDENCE
 from study.declared.references import FROM
 from study.figures.registry import FIGURE_NAME, FigureSpec
-from study.ledgers.claims.criteria import CLAIM_NAME, DIGITISED, Claim
-from study.ledgers.claims.digitised import DigitisedCriteria
+from study.ledgers.claims.criteria import CLAIM_NAME, Claim
 from study.ledgers.equations.forms import ERRATA, SYMBOLS
 from study.ledgers.equations.records import EQUATION_NAME, Equation
 from study.run.config import General
@@ -94,14 +93,12 @@ def schemas() -> dict[str, Schema]:
     ]
     keys += [(name, studies.study(name).Params) for name in studies.homes()]
     configuration = make_dataclass("Configuration", keys, kw_only=True)
-    claims = _registry(CLAIM_NAME, Claim)
-    claims["properties"] = {DIGITISED: _generated(DigitisedCriteria)}
     equations = _registry(EQUATION_NAME, Equation)
     equations["properties"] = {SYMBOLS: {"type": "object"}, ERRATA: {"type": "array"}}
     return {
         "config.schema.json": _generated(configuration),
         "figures.schema.json": _registry(FIGURE_NAME, FigureSpec),
-        "claims.schema.json": claims,
+        "claims.schema.json": _registry(CLAIM_NAME, Claim),
         "equations.schema.json": equations,
     }
 

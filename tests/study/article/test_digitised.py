@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.colors import same_color
+from study.ledgers.claims.digitised import digitised_rows, read_digitised
 from tests.shared import ROOT
 
 from microimpact.model.empirical.equations import restitution
 from study.figures import style
-from study.ledgers.claims.digitised import digitised_rows, read_digitised
 from study.run.digitised import as_rows, overlaid, read_points
 from study.studies.analyses.digitised_comparison import is_named
 from study.tables import parse_table, series_frame

@@ -14,7 +14,6 @@ import numpy as np
 
 from study.ledgers.claims.changed import Changed, with_inputs
 from study.ledgers.claims.criteria import Claim, read_claims
-from study.ledgers.claims.digitised import digitised_rows, read_digitised
 from study.ledgers.claims.independent import agreements, independent
 from study.ledgers.claims.judging import (
     RESULT_COLUMNS,
@@ -59,9 +58,8 @@ def judge(
     Parameters
     ----------
     tables
-        ``claim_numbers``; ``claim_draws`` and ``posterior_contacts``, for the shares;
-        ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have
-        rows after the claims.
+        ``claim_numbers``; ``claim_draws`` and ``posterior_contacts``, for the shares; and
+        ``external_evidence``.
     criteria, values
         File of claims and values in its words, see `read_claims`.
     changed
@@ -84,12 +82,6 @@ def judge(
     agreeing = agreements(evidence)
     ledger["independent"] = [agreeing.get(name, "") for name in ledger["id"]]
     marked = [with_inputs(row, changed) for _, row in ledger.iterrows()]
-    rows, residuals = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
-    amendments = [
-        {"id": name, **asdict(amendment)}
-        for name, claim in claims.items()
-        for amendment in claim.amendments
-    ]
     counts = [
         (name, *group, met / size, *interval, size)
         for name, share in drawn.items()
@@ -98,12 +90,21 @@ def judge(
         )
     ]
     return {
-        "claims": pd.DataFrame([*marked, *rows], columns=list(COLUMNS)),
+        "claims": pd.DataFrame(marked, columns=list(COLUMNS)),
         "claim_shares": pd.DataFrame(counts, columns=list(SHARE_COLUMNS)),
-        "claim_results": pd.DataFrame([*numbers, *residuals], columns=list(RESULT_COLUMNS)),
+        "claim_results": pd.DataFrame(numbers, columns=list(RESULT_COLUMNS)),
         "claim_evidence": evidence,
-        "claim_amendments": pd.DataFrame(amendments, columns=list(AMENDMENT_COLUMNS)),
+        "claim_amendments": pd.DataFrame(amendments(claims), columns=list(AMENDMENT_COLUMNS)),
     }
+
+
+def amendments(claims: Mapping[str, Claim]) -> list[Row]:
+    """Return a row with `AMENDMENT_COLUMNS` per change of a claim after its first judgement."""
+    return [
+        {"id": name, **asdict(amendment)}
+        for name, claim in claims.items()
+        for amendment in claim.amendments
+    ]
 
 
 def verdicts(

@@ -24,10 +24,8 @@ from study.declared.documents import filled, load
 from study.declared.parameters import Finite, Name, NonNegative, build, explain
 
 CLAIM_NAME = r"^C\d{2,3}$"
-# The key of a file of claims that is no claim.
-DIGITISED = "digitised"
 
-Kind = Literal["model", "virtual experiment", "arithmetic", "contradiction", "finding"]
+Kind = Literal["model", "virtual experiment", "contradiction"]
 Verdict = Literal[
     "reproduced",
     "reproduced with a correction",
@@ -49,9 +47,6 @@ EquationNumber = Annotated[str, Field(pattern=r"^([1-9]|[1-3]\d|4[01])$")]
 ContactProperty = Literal[
     "work_of_adhesion", "hertz_damping", "adhesion_damping", "friction", "friction_basis"
 ]
-
-# Kinds that are listed but not counted among the statements of the article.
-UNCOUNTED: tuple[Kind, ...] = ("arithmetic", "finding")
 
 # What a claim gets if all its criteria hold: a property of the claim, not of the result.
 Positive = Literal["reproduced", "reproduced with a correction", "calibrated"]
@@ -146,13 +141,11 @@ class Claim:
     id
         ``C`` and a number.
     where, quote
-        Sections and figures, first the one of the quote; and a few words of the article, none for
-        a finding.
+        Sections and figures, first the one of the quote; and a few words of the article.
     statement
         What is claimed, in our words.
     kind
-        What the test is; rows `arithmetic` (an identity, or what a model assumes) and `finding`
-        (of this study, not of the article) are listed but not counted.
+        What the test is.
     article_value, unit
         The printed number, or the shape, sign or order claimed; its unit, ``-`` for none.
     quantities
@@ -183,7 +176,7 @@ class Claim:
 
     id: Annotated[str, Field(pattern=CLAIM_NAME)]
     where: Name
-    quote: str = ""
+    quote: Name
     statement: Name
     kind: Kind = "model"
     article_value: Name
@@ -278,8 +271,6 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
     """
     claims, problems = {}, []
     for key, entry in load(path).items():
-        if key == DIGITISED:
-            continue
         if not isinstance(entry, Mapping):
             problems.append(f"{key}: {entry!r} must be a mapping")
             continue

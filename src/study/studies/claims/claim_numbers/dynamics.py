@@ -32,7 +32,6 @@ from study.studies.claims.claim_numbers.context import (
 from study.studies.claims.claim_numbers.experiments import ABOVE_CAPTURE
 from study.studies.claims.claim_numbers.experiments import POINTS as CURVE_POINTS
 from study.studies.claims.claim_numbers.oblique import sampled
-from study.studies.claims.claim_numbers.rigid_body import farthest
 from study.studies.contacts import DRAWN, calibrated_contact
 from study.studies.samples import Dropped, reduce_to
 
@@ -107,16 +106,6 @@ def in_other_units(contact: Contact, mass: float, length: float, time: float) ->
         adhesion_damping=contact.adhesion_damping * t / x,
         reference_velocity=contact.reference_velocity * x / t,
     )
-
-
-@claim("C26")
-def c26(context: Context) -> Numbers:
-    """Contact radius at rest with the ring force over the JKR radius, ``a^3 = 6 pi w r^2/K``."""
-    ratios = []
-    for steel in (case.steel for case in context.cases()):
-        load = 6.0 * np.pi * np.asarray(steel.work_of_adhesion) * np.square(steel.hertz_radius)
-        ratios.append(steel.equilibrium_contact_radius / np.cbrt(load / steel.stiffness))
-    return {"ratio_of_contact_radii_at_rest": farthest(np.array(ratios))}
 
 
 @claim("C27", by_contact=True)

@@ -54,8 +54,8 @@ ABOVE_CAPTURE = 1e-6
 WIDEST_SPREAD = 10.0
 # Second number of the key of the stream of repeated experiments; the first is that of the claim.
 ANALYSIS, SPREAD = 109, 0
-# Points of curves over angles and facets, and spins tried from back spin to rolling.
-POINTS, TRIED_SPINS = 61, 41
+# Points of curves over angles and facets.
+POINTS = 61
 # How far a constant region of the impulse ratio may stray, and the least width of a transition that
 # is seen, degrees.
 CONSTANT_WITHIN, LEAST_TRANSITION = 0.1, 5.0
@@ -180,17 +180,6 @@ def inverse_tangent(angle: FloatArray) -> FloatArray:
     """Return the printed tan^-1 of an angle (rad), read as the reciprocal of the tangent."""
     cotangent: FloatArray = np.sin(0.5 * np.pi - angle) / np.sin(angle)
     return cotangent
-
-
-@claim("C15", by_case=True)
-def c15(
-    context: Context, *, speed_m_per_s: Positive, angle_deg: AngleDegrees, spin_ratio: Finite
-) -> Numbers:
-    """Impulse ratio of a slow oblique impact with the spin of a sphere that has rolled."""
-    contact = context.steel
-    spin = spin_ratio * speed_m_per_s / contact.radius
-    impact = simulate(contact, speed_m_per_s, angle_deg, spin)
-    return {"impulse_ratio_with_greatest_spin": impact.impulse_ratio}
 
 
 @claim("C16", by_case=True)
@@ -418,32 +407,6 @@ def c77(
             for words, speed in (("slowest", slowest), ("middle", middle))
         }
         for name, spin in (("no spin", 0.0), ("back spin", spin_ratio))
-    }
-
-
-@claim("C111", by_case=True)
-def c111(
-    context: Context,
-    *,
-    speeds_m_per_s: tuple[Positive, Positive],
-    angle_deg: AngleDegrees,
-    seen_shift_deg: Positive,
-) -> Numbers:
-    """Share of initial spins that narrow rolling visibly, that end friction, and that do both.
-
-    Of spins of the mean sphere at the slowest speed, from back spin r omega = v to rolling.
-    """
-    fast, slowest = speeds_m_per_s
-    spins = np.linspace(-1.0, 1.0, TRIED_SPINS)
-    base = rolling_limit(context.steel, fast, 0.0)
-    shift = np.array([rolling_limit(context.steel, slowest, spin) - base for spin in spins])
-    turning = spins * slowest / context.steel.radius
-    ratio = simulate(context.steel, slowest, angle_deg, turning).impulse_ratio
-    narrower, frictionless = shift >= seen_shift_deg, ratio <= 0.0
-    return {
-        "share_of_spins_that_do_both": np.mean(narrower & frictionless),
-        "share_of_spins_that_narrow_rolling": np.mean(narrower),
-        "share_of_spins_without_friction": np.mean(frictionless),
     }
 
 

@@ -11,14 +11,11 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.model.contact import Contact
-from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from microimpact.model.rigid_body.roughness import measured_impulse_ratio, measured_restitution
 from microimpact.statistics.distributions import Constant, mean
-from study.declared.parameters import AngleDegrees, CaseName, Finite, Fraction, NonNegative
+from study.declared.parameters import AngleDegrees, CaseName, Fraction, NonNegative
 from study.studies.analyses.roughness_expansions import EQUATIONS, FORMS, SlopedImpacts
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import AngleRange, Angles, Context, Numbers
-from study.studies.claims.claim_numbers.rigid_body import RESTITUTIONS
 from study.studies.claims.claim_numbers.spores import rise
 from study.studies.contacts import calibrated_contact
 from study.studies.samples import Dropped
@@ -26,9 +23,6 @@ from study.studies.samples import Dropped
 SOURCES = ("slope", "diameter", "speed", "spin")
 # Steps in which a range of angles is walked, degrees.
 COARSE = 1.0
-# Slopes at which identities are tried, up to twice those of a lapped surface. None is turned away
-# by half an angle of incidence, where the printed Eq. 35 is infinite.
-SLOPES_DEG = (-17, -11, -6, -3, -1, 1, 2, 5, 10, 20)
 # Of expansions at normal incidence: terms of higher order are below a millionth.
 SMALL_SLOPE_DEG = 0.1
 # From which relative restitution counts (Section 4.2).
@@ -37,27 +31,6 @@ REFERENCE_DEG = 85.0
 Source = Literal["slope", "diameter", "speed", "spin"]
 SlopeForm = Literal["corrected", "printed"]
 FacingDegrees = Annotated[float, Field(gt=-90, lt=90)]
-
-
-@claim("C44")
-def c44(context: Context) -> Numbers:
-    """Eqs. (35), (36) against velocities turned to the slope, rebounded there and turned back."""
-    friction = context.params.steel.friction
-    angle, slope, e = np.meshgrid(
-        np.radians(context.params.steel.angles_deg), np.radians(SLOPES_DEG), RESTITUTIONS
-    )
-    facing = angle + slope > 0.0
-    angle, slope, e = angle[facing], slope[facing], e[facing]
-    local = rigid_body_rebound(-np.sin(angle + slope), np.cos(angle + slope), 0.0, 1.0, e, friction)
-    normal = local.V_n * np.cos(slope) + local.V_t * np.sin(slope)
-    along = local.V_t * np.cos(slope) - local.V_n * np.sin(slope)
-    restitution = normal / np.sin(angle)
-    ratio = (along - np.cos(angle)) / (normal + np.sin(angle))
-    differences = (
-        measured_restitution(angle, slope, e, local.mu) - restitution,
-        measured_impulse_ratio(slope, local.mu) - ratio,
-    )
-    return {"largest_difference": max(np.max(np.abs(part)) for part in differences)}
 
 
 @claim("C45")
@@ -104,38 +77,6 @@ def c48(context: Context, *, restitutions: tuple[Fraction, ...]) -> Numbers:
     return {
         "largest_relative_error_of_printed_coefficient": np.max(np.abs(errors[0])),
         "largest_error_of_corrected_coefficient": np.max(np.abs(errors[1])),
-    }
-
-
-@claim("C49")
-def c49(context: Context, *, restitutions: tuple[Fraction, ...]) -> Numbers:
-    """Error of the coefficient of phi in mu_m (Eq. 41), and mu_m without a slope."""
-    sloped, flat = (
-        on_slope(context, 90.0, degrees, e=np.array(restitutions))
-        for degrees in (SMALL_SLOPE_DEG, 0.0)
-    )
-    exact, level = (case.rebound.measured_impulse_ratio for case in (sloped, flat))
-    first_order = EQUATIONS["41"].value(replace(sloped, spin_ratio=0.0), "corrected")
-    errors = (exact - level - first_order) / sloped.slope
-    return {
-        "largest_error_of_coefficient_of_slope": np.max(np.abs(errors)),
-        "impulse_ratio_without_slope": np.max(np.abs(level)),
-    }
-
-
-@claim("C50")
-def c50(
-    context: Context, *, form: SlopeForm, slope_deg: FacingDegrees, spin_ratio: Finite
-) -> Numbers:
-    """Exact bias by spin over the bias of Eq. (41), and over (2/7) (r omega / v) phi."""
-    spun, bare = (on_slope(context, 90.0, slope_deg, spin_ratio=spin) for spin in (spin_ratio, 0.0))
-    exact, unbiased = spun.rebound, bare.rebound
-    of_mu = exact.measured_impulse_ratio - unbiased.measured_impulse_ratio
-    of_e = exact.measured_restitution - unbiased.measured_restitution
-    by_41, bare_41 = (EQUATIONS["41"].value(case, form) for case in (spun, bare))
-    return {
-        "bias_of_impulse_ratio_over_that_of_eq_41": of_mu / (by_41 - bare_41),
-        "bias_of_restitution_over_first_order": of_e / (2.0 / 7.0 * spun.spin_ratio * spun.slope),
     }
 
 
