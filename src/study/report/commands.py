@@ -64,17 +64,12 @@ def reference_command(results: Path, reference: Path, *, remove: bool) -> None:
 @click.command("compare")
 @click.argument("baseline", type=_folder)
 @click.argument("changed", type=_folder)
-@click.option("--html", type=_folder, help="Write a page with figures side by side, too.")
-def compare_command(baseline: Path, changed: Path, html: Path | None) -> None:
+def compare_command(baseline: Path, changed: Path) -> None:
     """Compare inputs, numbers, verdicts and figures of two results folders."""
-    from microimpact.core.files import write_file
-    from study.report.check.compare import as_text, compare, page
+    from study.report.check.compare import as_text, compare
 
     changes = compare(baseline, changed)
     click.echo(as_text(changes))
-    if html:
-        write_file(html, page(changes))
-        click.echo(f"\nPage: {html}")
     if not changes.same:
         raise SystemExit(1)
 

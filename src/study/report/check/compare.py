@@ -1,8 +1,7 @@
-"""Comparison of two runs, as text or as a page: inputs, numbers, verdicts, figures."""
+"""Comparison of two runs: inputs, numbers, verdicts, figures."""
 
 from __future__ import annotations
 
-import base64
 import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -14,11 +13,9 @@ from study.report.check.differences import (
     FEW,
     Difference,
     by_file,
-    cells,
     compare_tables,
     markdown,
     summary,
-    worst,
 )
 from study.report.check.results import (
     CLAIMS,
@@ -29,7 +26,6 @@ from study.report.check.results import (
     require_results,
     table_files,
 )
-from study.report.site.pages import render
 from study.run.stamp import STAMP
 from study.run.stamp import changes as configured
 
@@ -44,8 +40,6 @@ MARKED = "changed_inputs"
 BEHIND = {"tables/claim_shares.csv": "share", "tables/claim_results.csv": "value"}
 # Digits of a checksum that are shown.
 SHORT = 12
-# Characters of a cell in the page.
-WIDTH = 120
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -222,37 +216,3 @@ def _words(figure: Sequence[Difference]) -> str:
     names = list(dict.fromkeys(part.row for part in figure))
     more = ", ..." if len(names) > FEW else ""
     return f"{summary(figure)} ({', '.join(names[:FEW])}{more})" if names else UNSEEN
-
-
-def page(changes: Changes) -> str:
-    """Return the changes as one HTML page that needs nothing else, figures side by side."""
-
-    def rows(differences: Sequence[Difference], shown: int) -> list[tuple[str, ...]]:
-        return [cells(difference, WIDTH) for difference in worst(differences, shown)]
-
-    return render(
-        "compare.html",
-        templates=Path(__file__).parent / "templates",
-        changes=changes,
-        sides=SIDES,
-        same=SAME,
-        sections=[
-            (
-                title,
-                [
-                    (file, summary(d), rows(d, shown), len(d))
-                    for file, d in by_file(members).items()
-                ],
-            )
-            for title, members, shown in changes.sections
-            if members
-        ],
-        figures={name: _words(figure) for name, figure in changes.figures.items()},
-        inline=_inline,
-    )
-
-
-def _inline(root: Path, figure: str) -> str:
-    # As an image, and not as part of the page: no script in it runs, no name in it clashes.
-    picture = base64.b64encode((root / _svg(figure)).read_bytes()).decode("ascii")
-    return f"data:image/svg+xml;base64,{picture}"

@@ -16,7 +16,7 @@ from study.figures.registry import FORMATS
 from study.ledgers.claims import words
 from study.ledgers.counts import revisions
 from study.report.site import PAGES, ledgers
-from study.report.site.exports import chains_json, claims_json, datapackage, schema_json
+from study.report.site.exports import claims_json, schema_json
 from study.report.site.figures import Figure, departures, figures, label, studies_behind
 from study.report.site.formula import prose
 from study.report.site.glossary import definitions
@@ -197,12 +197,8 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     return (
         pages
         | {
-            "files/datapackage.json": datapackage(results, tables),
             "files/claims.json": claims_json(claims, *parts, commit),
             "files/claims.schema.json": schema_json(),
-            "files/replication_chains.jsonld": chains_json(
-                (row for row in claims if row["id"] in FIRST_CLAIMS), commit
-            ),
         }
         | _figure_pages(shown, common)
         | {
