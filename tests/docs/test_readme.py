@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 import runpy
 
+import numpy as np
 import pandas as pd
 import pytest
+from PIL import Image
 from tests.docs.blocks import PAGES, ROOT
 
 from study.ledgers.claims import amendments
@@ -67,6 +69,17 @@ def test_a_finding_gives_verdict_and_numbers_of_its_claim(name, stated, found):
         told = {f"{abs(v) * (100 if percent else 1):.{digits}f}" for v in computed}
         assert text in told, f"{text}: none of {sorted(told)}"
     assert results or "1" in reasons
+
+
+def test_a_picture_keeps_colours_that_are_rare_in_it(tmp_path):
+    grey = np.add.outer(np.arange(400), np.arange(400)) // 4
+    picture = np.repeat(grey[..., None], 3, axis=-1).astype(np.uint8)
+    picture[200, ::40] = 0, 114, 178  # ten points of a line, blue
+    Image.fromarray(picture).save(tmp_path / "large.png")
+    GALLERY["shrink"](tmp_path / "large.png", tmp_path / "small.png")
+    with Image.open(tmp_path / "small.png") as small:
+        found = np.asarray(small.convert("RGB"), int)
+    assert np.abs(found - picture).max() < 20
 
 
 def test_pictures_are_there_and_small():
