@@ -128,15 +128,3 @@ use rule study as external_evidence with:
         study="external_evidence",
     params:
         **parameters("external_evidence"),
-
-
-use rule study as digitised_comparison with:
-    """tables/digitised_residuals.csv: digitised points against the series of their panels."""
-    input:
-        **data(*(table for name in DIGITISED for table in FIGURES[name].data)),
-    output:
-        **tables("digitised_residuals"),
-    pathvars:
-        study="digitised_comparison",
-    params:
-        **parameters("digitised_comparison"),

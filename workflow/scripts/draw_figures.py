@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from study.figures.content import content
 from study.figures.registry import FORMATS, FigureSpec, figure_spec
 from study.figures.style import save, without_data
-from study.run.digitised import overlaid, read_points
+from study.run.digitised import overlaid
 from study.tables import NOT_COMPUTED, NotComputedError, read_figure_data, write_table
 
 
@@ -42,9 +42,8 @@ def drawn(spec: FigureSpec, job: Any) -> tuple[Figure, str]:
     tables = {name: read_figure_data(job.input[name]) for name in spec.data}
     origin = ""
     if path := job.input.get(f"{spec.name}_digitised"):
-        points = read_points(path, spec)
-        tables = overlaid(tables, spec, points)
-        origin = f", {points.evidence} points from {points.header.source}"
+        tables = overlaid(tables, spec, path)
+        origin = f", points of {path}"
     draw = getattr(import_module(spec.module), spec.function)
     return draw(tables, spec), f"drawn from {', '.join(tables)}{origin}"
 

@@ -168,7 +168,7 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     rows = table[table["panel"] == (panel.shows or name)]
     is_point = rows["evidence"].isin(POINTS)
     all_points = table.loc[table["evidence"].isin(POINTS), "series"].unique()
-    entries = overlay(ax, rows[is_point], panel, list(all_points))
+    entries = overlay(ax, rows, panel, list(all_points))
     rows = rows[~is_point]
     calibrated = " (calibrated)" if {"computed", "calibrated"} <= set(table["evidence"]) else ""
     if rows.empty:
@@ -233,22 +233,25 @@ def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, words: str, col
     ax.annotate(words, anchor, shift, textcoords="offset points", **look)
 
 
-def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[str]) -> list[Line2D]:
+def overlay(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, names: Sequence[str]) -> list[Line2D]:
     """Draw the user's points of one panel, above all else; the axes grow to show them.
 
-    Entries for the key, one per series: its name as it was written, never as mathematics.
+    Entries for the key, one per series: its name as it was written, never as mathematics, and how
+    far it is from the curve of that name, if there is one.
 
     Parameters
     ----------
     ax
         Axes of the panel, their scales as they will be.
-    points
-        Figure data of digitised or measured series alone; may be empty.
+    rows
+        Figure data of the panel, with digitised or measured series or none.
     panel
         Series of the same name, or beginning with it and a comma, give a series its colour.
     names
         All series of points of the figure, for their marks.
     """
+    is_point = rows["evidence"].isin(POINTS)
+    points, curves = rows[is_point], rows[~is_point]
     if points.empty:
         return []
     x, y = points.columns[3], points.columns[4]
@@ -257,21 +260,44 @@ def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[st
     else:
         _grow(ax, points, replace(panel, fixed=False))
     entries = []
-    for series, rows in points.groupby("series", sort=False):
+    for series, own in points.groupby("series", sort=False):
         evidence, name = points_parts(str(series))
         colour = _points_colour(name, panel)
         marks = POINT_MARKS[evidence]
         order = names.index(str(series))  # the first lies on top
         look = EVIDENCE[evidence] | {"marker": marks[order % len(marks)], "zorder": 5 - 0.1 * order}
-        _draw_series(ax, rows, (x, y), evidence, SeriesSpec(label=name), colour, None, look)
-        label = str(series).replace("$", r"\$")
+        _draw_series(ax, own, (x, y), evidence, SeriesSpec(label=name), colour, None, look)
+        label = f"{series}{_distance(own, curves, name)}".replace("$", r"\$")
         entries.append(Line2D([], [], color=colour, label=label, **look))
     return entries
 
 
+def _is_named(series: str, name: str) -> bool:
+    """Tell whether a series has the name of points, alone or before a comma."""
+    return series == name or series.startswith(f"{name}, ")
+
+
+def _distance(points: pd.DataFrame, curves: pd.DataFrame, name: str) -> str:
+    """Return the rms difference of points from the first curve of their name, empty without one.
+
+    The curve is interpolated linearly, and not continued beyond its ends or over a gap.
+    """
+    at, height = points.iloc[:, 3:5].to_numpy(float).T
+    for series, curve in curves.groupby("series", sort=False):
+        x, y = curve.iloc[:, 3:5].to_numpy(float).T
+        x, y = (x, y) if x[0] < x[-1] else (x[::-1], y[::-1])
+        # An upright line, or one that turns back, is no function of x.
+        if _is_named(str(series), name) and np.all(np.diff(x) > 0.0):
+            difference = height - np.interp(at, x, y, left=np.nan, right=np.nan)
+            known = difference[np.isfinite(difference)]
+            if known.size:
+                return f", rms {np.sqrt(np.mean(np.square(known))):.2g}"
+    return ""
+
+
 def _points_colour(name: str, panel: PanelSpec) -> str:
     for index, (series, spec) in enumerate(panel.series.items()):
-        if series == name or series.startswith(f"{name}, "):
+        if _is_named(series, name):
             return f"C{index if spec.colour is None else spec.colour}"
     return "black"
 

@@ -30,7 +30,7 @@ from study.declared.provenance import Declared, unit_of
 from study.declared.references import Resolver, merged
 from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
 from study.figures.registry import AS_SHIPPED, FigureSpec, filled, registry
-from study.run.digitised import Digitised, as_rows, read_folder
+from study.run.digitised import files_of
 from study.run.stamp import changes
 from study.studies.contacts import ALL_LAWS
 from study.studies.laboratory import Laboratory
@@ -358,7 +358,7 @@ class Inputs:
     # The figure registry with values filled in, plain and checked.
     figure_entries: Mapping[str, Any]
     figures: Mapping[str, FigureSpec]
-    digitised: Mapping[str, Digitised]  # Digitised points by figure
+    digitised: Mapping[str, str]  # Files of the user's own points by figure
 
 
 def read_inputs(settings: Settings, changed: Mapping[str, object] = AS_SHIPPED) -> Inputs:
@@ -399,12 +399,11 @@ def read_inputs(settings: Settings, changed: Mapping[str, object] = AS_SHIPPED) 
     with located(general.figures):
         entries = filled(load(general.figures), settings.branches, settings.pairs, changed)
         figures = registry(entries)
-    digitised = read_folder(general.digitised, figures)
     return Inputs(
-        rows={name: study_rows(name, settings, digitised) for name in settings.branches},
+        rows={name: study_rows(name, settings) for name in settings.branches},
         figure_entries=entries,
         figures=figures,
-        digitised=digitised,
+        digitised=files_of(general.digitised, figures),
     )
 
 
@@ -418,20 +417,16 @@ def _materials(table: DeclaredTable) -> dict[str, Material]:
         raise ValueError(f"{table.path}: {error}") from None
 
 
-def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]) -> dict[str, str]:
+def study_rows(name: str, settings: Settings) -> Mapping[str, str]:
     """Return the declared rows that a study is given, as CSV by table.
 
-    Rows named by its branch; for `contact_properties` all contacts, for `declared_inputs` all
-    rows. Digitised points go to the studies that compare with them.
+    Rows named by its branch; for `contact_properties` all contacts, for `declared_inputs` all.
     """
     if name == "declared_inputs":
         return settings.tables.everything(settings.declared)
     if name == "contact_properties":
         return settings.tables.contact_rows()
-    if name == "digitised_comparison":
-        return as_rows(digitised, digitised)
-    compared = ("fig15", "fig16") if name == "restitution_fits" else ()
-    return {**settings.rows[name], **as_rows(digitised, compared)}
+    return settings.rows[name]
 
 
 def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:

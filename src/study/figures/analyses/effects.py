@@ -47,7 +47,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     points = table[table["evidence"].isin(POINTS)]
     names = list(points["series"].unique())
     for name, panel in spec.panels.items():
-        entries += style.overlay(axes[name], points[points["panel"] == name], panel, names)
+        entries += style.overlay(axes[name], table[table["panel"] == name], panel, names)
     if entries:
         style.evidence_key(figure, points["evidence"], entries, loc="outside upper center")
     return figure
