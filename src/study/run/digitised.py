@@ -53,9 +53,10 @@ class Point:
 
     def __post_init__(self) -> None:
         """Refuse half a bar, and one without the point."""
-        if (self.y_low is None) != (self.y_high is None):
-            raise ValueError("y_low and y_high must be given both or neither")
-        if None not in (self.y_low, self.y_high) and not self.y_low <= self.y <= self.y_high:
+        if self.y_low is None or self.y_high is None:
+            if self.y_low is not self.y_high:
+                raise ValueError("y_low and y_high must be given both or neither")
+        elif not self.y_low <= self.y <= self.y_high:
             raise ValueError(f"y: {self.y:g} must lie within y_low and y_high")
 
 

@@ -106,7 +106,7 @@ def _has_words(cells: pd.Series) -> bool:
 
 def _named(table: pd.DataFrame, keys: Sequence[str]) -> dict[tuple[str, ...], int]:
     """Return the place of each row by its keys and its number among rows of the same keys."""
-    number = table.groupby(keys).cumcount() if keys else np.arange(len(table))
+    number = table.groupby([*keys]).cumcount() if keys else np.arange(len(table))
     cells = table[list(keys)].assign(number=number + 1).astype(str)
     return {name: i for i, name in enumerate(cells.itertuples(index=False, name=None))}
 
