@@ -46,7 +46,7 @@ STALE := $(shell { read -r place; read -r python; } < .venv/.origin; \
 	|| echo stale)
 endif
 
-.PHONY: help reproduce check reference pages test lint types docs mutants test-slurm bench test-peers lock clean distclean stale
+.PHONY: help reproduce check reference pages test lint types docs test-slurm bench test-peers lock clean distclean stale
 
 help: ## list these targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -80,9 +80,6 @@ lint: .venv/.test ## check style, workflow and the order of imports
 
 types: .venv/.test ## check types, strictly
 	.venv/bin/mypy
-
-mutants: .venv/.test ## put wrong forms into copies of the project and see that the tests notice
-	$(ACTIVE) .venv/bin/python -m tests.mutants
 
 docs: .venv/.test ## build the guide and the reference of the package into build/docs
 	@.venv/bin/python -m study.report.commands pages

@@ -10,7 +10,7 @@ from PIL import Image
 
 DOCS = Path(__file__).parent
 WIDTH = 900
-COLOURS = 64
+COLOURS = 256
 
 
 def shown(text: str) -> list[str]:
@@ -24,7 +24,9 @@ def shrink(source: Path, target: Path) -> None:
         small = picture.convert("RGB")
     small.thumbnail((WIDTH, small.height))
     target.parent.mkdir(parents=True, exist_ok=True)
-    small.quantize(COLOURS).save(target, optimize=True)
+    # By coverage of all colours: the commonest alone would make thin lines grey.
+    palette = Image.Quantize.MAXCOVERAGE
+    small.quantize(COLOURS, palette).save(target, optimize=True)
 
 
 def main(results: Path, docs: Path = DOCS) -> int:

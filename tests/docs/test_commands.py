@@ -36,7 +36,7 @@ PROGRAMS = {
     "python": 'exec "$PYTHON" "$@"',
     "microimpact": 'exec "$PYTHON" -m microimpact.cli "$@"',
     "snakemake": 'case "$*" in *my-run.yaml) set -- --dry-run "$@";; '
-    '?*" --configfile "*|*digitised*);; *) set -- --dry-run "$@";; esac\n'
+    '?*" --configfile "*|fig17);; *) set -- --dry-run "$@";; esac\n'
     'exec "$PYTHON" -m snakemake --cores 1 "$@"',
     "make": 'exec "$MAKE" --dry-run -C "$ROOT" "$@"',
     "pytest": 'cd "$ROOT"; exec ls "$@"',

@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 import runpy
 
+import numpy as np
 import pandas as pd
 import pytest
+from PIL import Image
 from tests.docs.blocks import PAGES, ROOT
 
+from study.judge import amendments
+from study.judge.counts import revisions, verdicts
 from study.judge.criteria import read_claims
-from study.report.documents import verdict_counts
-from study.report.site.ledgers import counted, read_rows
+from study.report.site.ledgers import read_rows
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 TABLES = ROOT / "tests/reference/full/tables"
@@ -28,18 +31,15 @@ def table(head):
 
 
 def test_verdicts_are_counted_right():
-    assert table("statements") == verdict_counts(counted(list(CLAIMS.values())))
-    assert table("equations and relations") == verdict_counts(read_rows(TABLES / "equations.csv"))
+    for head, name in (("statements", "claims"), ("equations and relations", "equations")):
+        assert table(head) == verdicts(row["verdict"] for row in read_rows(TABLES / f"{name}.csv"))
 
 
 def test_revised_claims_are_counted_right():
-    claims = read_claims(ROOT / "config/claims.yaml").values()
-    revised = [{each.part for each in claim.amendments} for claim in claims if claim.amendments]
-    in_criteria = sum("criteria" in parts for parts in revised)
-    words = (
-        f"{len(revised)} of {len(claims)} were revised after first judging, {in_criteria} of them"
-    )
-    assert words in README
+    claims = read_claims(ROOT / "config/claims.yaml")
+    revised, in_criteria = revisions(amendments(claims))
+    told = f"{revised} of {len(claims)} were revised after first judging, {in_criteria} of them"
+    assert told in README
 
 
 def test_the_three_answers_have_the_numbers_of_their_pages():
@@ -69,6 +69,17 @@ def test_a_finding_gives_verdict_and_numbers_of_its_claim(name, stated, found):
         told = {f"{abs(v) * (100 if percent else 1):.{digits}f}" for v in computed}
         assert text in told, f"{text}: none of {sorted(told)}"
     assert results or "1" in reasons
+
+
+def test_a_picture_keeps_colours_that_are_rare_in_it(tmp_path):
+    grey = np.add.outer(np.arange(400), np.arange(400)) // 4
+    picture = np.repeat(grey[..., None], 3, axis=-1).astype(np.uint8)
+    picture[200, ::40] = 0, 114, 178  # ten points of a line, blue
+    Image.fromarray(picture).save(tmp_path / "large.png")
+    GALLERY["shrink"](tmp_path / "large.png", tmp_path / "small.png")
+    with Image.open(tmp_path / "small.png") as small:
+        found = np.asarray(small.convert("RGB"), int)
+    assert np.abs(found - picture).max() < 20
 
 
 def test_pictures_are_there_and_small():

@@ -236,18 +236,6 @@ use rule analysis as declared_inputs with:
         **parameters("declared_inputs"),
 
 
-use rule analysis as digitised_comparison with:
-    """tables/digitised_residuals.csv: digitised points against the series of their panels."""
-    input:
-        **data(*(table for name in DIGITISED for table in FIGURES[name].data)),
-    output:
-        **tables("digitised_residuals"),
-    pathvars:
-        analysis="digitised_comparison",
-    params:
-        **parameters("digitised_comparison"),
-
-
 use rule analysis as external_evidence with:
     """tables/external_evidence.csv: facts that others found beside what the model gives."""
     input:

@@ -24,11 +24,10 @@ rule claims:
     tables/claim_shares.csv: contacts that meet a claim, by scenario, law and alternative;
     tables/claim_evidence.csv: facts found by others, for which contacts they agree with the model;
     tables/claim_amendments.csv: what of a claim was changed after first judging, and why.
-    Digitised points, if there are any, have rows after the claims.
     """
     input:
         **tables("claim_numbers", "claim_draws", "posterior_contacts"),
-        **tables("external_evidence", "digitised_residuals"),
+        **tables("external_evidence"),
     output:
         **tables("claim_results", "claim_shares", "claim_evidence", "claim_amendments"),
         claims=report(
@@ -51,7 +50,7 @@ rule claims:
             for name in sorted({"claim_numbers", *analyses.needs("claim_numbers").values()})
             if CHANGED
         },
-        rests_on=digest_of_inputs("claim_numbers", "digitised_comparison"),
+        rests_on=digest_of_inputs("claim_numbers"),
         code=digest_of_code(
             "study.judge", script="judge_ledger.py", files=[PROJECT / "config/amendments.csv"]
         ),

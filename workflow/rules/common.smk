@@ -125,7 +125,7 @@ def digest_of_inputs(*names):
     for name in names:
         if name in FIGURES:
             texts += [FIGURES[name].entry(), digest_of_inputs(FIGURES[name].analysis)]
-            texts += [Path(DIGITISED[name].path).read_text()] if name in DIGITISED else []
+            texts += [Path(DIGITISED[name]).read_text()] if name in DIGITISED else []
         else:
             texts += [SETTINGS.branches[name], INPUTS.rows[name]]
             texts += [Path(path).read_text() for path in sample_files(SETTINGS.branches[name])]

@@ -11,7 +11,7 @@ for analysis, drawn in FIGURES_OF.items():
             f"{analysis}_figures"
         input:
             **data(*(table for figure in drawn for table in FIGURES[figure].data)),
-            **{f"{name}_digitised": DIGITISED[name].path for name in drawn if name in DIGITISED},
+            **{f"{name}_digitised": DIGITISED[name] for name in drawn if name in DIGITISED},
         output:
             [
                 report(

@@ -9,7 +9,7 @@ from job import run
 from study.figures.content import content
 from study.figures.declaration import FIGURES, FORMATS, Figure
 from study.figures.style import Sheet, context, save, without_data
-from study.run.digitised import overlaid, read_points
+from study.run.digitised import overlaid
 from study.tables import NOT_COMPUTED, NotComputedError, read_figure_data, write_table
 
 
@@ -44,9 +44,8 @@ def drawn(figure: Figure, job: Any) -> tuple[Sheet, str]:
     tables = {name: read_figure_data(job.input[name]) for name in figure.data}
     origin = ""
     if path := job.input.get(f"{figure.name}_digitised"):
-        points = read_points(path, figure)
-        tables = overlaid(tables, figure, points)
-        origin = f", {points.evidence} points from {points.header.source}"
+        tables = overlaid(tables, figure, path)
+        origin = f", points of {path}"
     with context():
         sheet = Sheet(figure, tables, job.params.branch, job.params.pairs)
         figure.draw(sheet)

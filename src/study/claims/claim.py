@@ -34,7 +34,7 @@ from study.claims.context import Common, Context, Estimate, Numbers
 from study.declared.documents import filled
 from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Row, reason
 
-Kind = Literal["model", "virtual experiment", "arithmetic", "contradiction", "finding"]
+Kind = Literal["model", "virtual experiment", "contradiction"]
 # What a claim gets if all its criteria hold: a property of the claim, not of the result.
 Positive = Literal["reproduced", "reproduced with a correction", "calibrated"]
 Function = Callable[..., Numbers]
@@ -123,8 +123,7 @@ class Claim:
     reason
         Why these bounds decide.
     kind
-        What the test is; rows `arithmetic` (an identity, or what a model assumes) and `finding` (of
-        this study, not of the article) are listed but not counted.
+        What the test is.
     if_met
         What comes out if all criteria hold.
     cases

@@ -4,35 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.core.solve import threshold
-from microimpact.lab.experiment import Target
-from microimpact.lab.surface import rough
 from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, plastic_restitution, yield_velocity
-from microimpact.model.contact import Contact
-from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import planar, simulate, velocity_components
+from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.dynamics.rolling import gravity_ratio, rolling_distance
-from microimpact.statistics.distributions import generator
 from study.claims.claim import RIDGE, Claim, Number
 from study.claims.context import Context, Numbers, greatest, without_adhesion
 from study.declared.parameters import (
-    AngleDegrees,
-    Count,
     Fraction,
     Name,
-    NonNegative,
     Positive,
     PositiveRange,
 )
-
-ANALYSIS = 98
-# Where normal speeds of capture are looked for, relative to the one known.
-AROUND = 1e-3
-# To how much of the nominal normal speed apparent capture is found.
-APPARENT = 1e-3
-# Angles at which the normal speed of capture is sought.
-DECOUPLED_DEG = (10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 85.0)
 
 
 @Claim(
@@ -181,79 +163,3 @@ def c97(
             "gravity_moment_over_rolling_moment": gravity_ratio(contact, lag, 90.0 - angle),
         }
     return numbers
-
-
-@Claim(
-    "C98",
-    (
-        "Slopes make capture appear at a lower normal speed in oblique impacts; the impact of a "
-        "smooth sphere does not."
-    ),
-    where="2.4, 6",
-    kind="finding",
-    article="inequality",
-    numbers={
-        "largest_difference_of_normal_capture_speeds_over_angles": Number(
-            "largest difference of normal capture speeds among angles", at_most=1e-12
-        ),
-        "ratio_of_apparent_capture_speeds": Number(
-            "ratio of apparent capture speeds with slopes at [[angle_deg:g]]° and 90°", at_most=0.9
-        ),
-    },
-    reason=(
-        "The normal motion does not depend on the tangential motion, so without slopes the normal "
-        "capture speed is the same at all angles except for rounding, relative to that at 90°. "
-        "With slopes of [[slope_sd:g]] it must be lower by more than 10 %. Explains C09."
-    ),
-    cases=RIDGE,
-    figures="fig08",
-    equations="25 27",
-    by_case=True,
-)
-def c98(
-    context: Context,
-    *,
-    angle_deg: AngleDegrees,
-    slope_sd: NonNegative,
-    spheres: Count,
-) -> Numbers:
-    """Normal speeds of capture without slopes, and where half are captured with them.
-
-    Identical spheres meet slopes; the same ones at every speed.
-    """
-    contact = context.steel
-    *speeds, upright = decoupled_speeds(contact, np.array([*DECOUPLED_DEG, 90.0]))
-    target = Target(contact=contact, surface=rough(slope_sd))
-    limit = float(capture_velocity(contact))
-    diameter = np.full(spheres, contact.diameter)
-
-    def apparent_speed(angle: float) -> float:
-        """Return the nominal normal speed below which more than half the spheres stay."""
-
-        def half_leave(speed: float) -> bool:
-            into, along = velocity_components(speed / np.sin(np.radians(angle)), angle)
-            velocity = np.tile([along, 0.0, into], (spheres, 1))
-            rng = generator(context.params.sampling.seed, ANALYSIS)
-            rebound = target.hit(diameter, velocity, np.zeros_like(velocity), rng)
-            return float(np.mean(rebound.captured)) <= 0.5
-
-        return threshold(half_leave, 0.02 * limit, 3.0 * limit, absolute=APPARENT * limit)
-
-    return {
-        "largest_difference_of_normal_capture_speeds_over_angles": np.max(
-            np.abs(np.array(speeds) / upright - 1.0)
-        ),
-        "ratio_of_apparent_capture_speeds": apparent_speed(angle_deg) / apparent_speed(90.0),
-    }
-
-
-def decoupled_speeds(contact: Contact, angle: FloatArray) -> FloatArray:
-    """Return the normal speed at which capture ends at angles of incidence in degrees."""
-    limit = float(capture_velocity(contact))
-    low, high = (np.full(angle.shape, limit * (1.0 + side * AROUND)) for side in (-1.0, 1.0))
-    into, along = velocity_components(1.0, angle)
-
-    def leaves(speed: FloatArray) -> BoolArray:
-        return ~planar(contact, -speed, speed * along / -into).captured
-
-    return threshold(leaves, low, high)

@@ -24,7 +24,6 @@ from study.claims.context import (
 from study.claims.experiments import ABOVE_CAPTURE
 from study.claims.experiments import POINTS as CURVE_POINTS
 from study.claims.oblique import sampled
-from study.claims.rigid_body import farthest
 from study.contacts import DRAWN, calibrated_contact
 from study.declared.parameters import (
     AngleDegrees,
@@ -122,32 +121,6 @@ def in_other_units(contact: Contact, mass: float, length: float, time: float) ->
         adhesion_damping=contact.adhesion_damping * t / x,
         reference_velocity=contact.reference_velocity * x / t,
     )
-
-
-@Claim(
-    "C26",
-    (
-        "The ring force by Eq. 30 gives a resting sphere the contact area that JKR gives without "
-        "load."
-    ),
-    where="3.2.1",
-    quote="its value can be estimated from equilibrium conditions",
-    kind="arithmetic",
-    article="identity",
-    numbers={
-        "ratio_of_contact_radii_at_rest": Number(within=(1.0, 1e-12)),
-    },
-    reason="An identity of the two equilibria; only rounding may remain.",
-    figures="fig19",
-    equations="30",
-)
-def c26(context: Context) -> Numbers:
-    """Contact radius at rest with the ring force over the JKR radius, ``a^3 = 6 pi w r^2/K``."""
-    ratios = []
-    for steel in (case.steel for case in context.cases()):
-        load = 6.0 * np.pi * np.asarray(steel.work_of_adhesion) * np.square(steel.hertz_radius)
-        ratios.append(steel.equilibrium_contact_radius / np.cbrt(load / steel.stiffness))
-    return {"ratio_of_contact_radii_at_rest": farthest(np.array(ratios))}
 
 
 @Claim(

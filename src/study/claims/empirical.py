@@ -18,7 +18,6 @@ from microimpact.statistics.distributions import generator
 from study.claims.claim import RIDGE, Claim, Number
 from study.claims.context import Context, Estimate, Numbers
 from study.declared.parameters import AboveOne, Count
-from study.tables import POINTS
 
 ANALYSIS = 104
 CONFIDENCE = 0.95
@@ -69,8 +68,7 @@ def c43(
     The rms over some sets of rebounds with the noise of the instrument; without noise from data
     close above capture, by the table of the fits, and from two capture velocities.
     """
-    table = context.table("restitution_fits", exponent="free")
-    rows = table[~table["evidence"].isin(POINTS)]
+    rows = context.table("restitution_fits", exponent="free")
     if len(rows) != 1:
         raise ValueError(f"restitution_fits: {len(rows)} fits of case {context.case!r}, need one")
     fitted, limit = rows["v_c_m_per_s"].iloc[0], rows["simulated_v_c_m_per_s"].iloc[0]

@@ -17,7 +17,6 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.rigid_body.algebra import energy_loss
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.intervals import ERROR_BAR
 from study.analyses.pile_up.compute import onset
@@ -224,40 +223,6 @@ def c05(context: Context, *, flat_from_m_per_s: Positive, slow_speed_m_per_s: Po
         "largest_relative_change_of_restitution": np.max(np.abs(e / e[-1] - 1), axis=0),
         "relative_fall_of_restitution": 1.0 - slow / e[-1],
     }
-
-
-@Claim(
-    "C06",
-    "At normal incidence the relative energy loss is one minus the square of restitution.",
-    where="2.3.1, Fig. 5",
-    quote="For normal impact, the normal component is the total velocity.",
-    kind="arithmetic",
-    article="identity",
-    numbers={
-        "largest_difference": Number(at_most=1e-12),
-    },
-    reason="An identity of Eq. 14 without tangential speed and spin; only rounding may remain.",
-    figures="fig05",
-    equations="1 3 14",
-)
-def c06(context: Context) -> Numbers:
-    """Loss at normal incidence against 1 - e^2: simulated, and by Eq. (14) at the same e."""
-    largest = 0.0
-    for case in context.cases():
-        steel, speeds = case.steel, rebounding_speeds(case)
-        impact = case.hit(steel, speeds)
-        e = impact.coefficient_of_restitution
-        spin = context.params.steel.spin_ratio * speeds / steel.radius
-        rigid = energy_loss(-speeds, 0.0, spin, steel.radius, e, -impact.impulse_ratio)
-        for loss in (impact.translational_energy_loss, rigid.translational):
-            largest = max(largest, np.max(np.abs(loss - (1.0 - np.square(e)))))
-    return {"largest_difference": largest}
-
-
-def rebounding_speeds(case: Context) -> FloatArray:
-    """Return normal speeds in m/s from just above capture to the one that is meant."""
-    least = float(capture_velocity(case.steel)) * (1.0 + ABOVE_CAPTURE)
-    return np.geomspace(least, case.speed, POINTS)
 
 
 @Claim(

@@ -54,8 +54,8 @@ ABOVE_CAPTURE = 1e-6
 WIDEST_SPREAD = 10.0
 # Second number of the key of the stream of repeated experiments; the first is that of the claim.
 ANALYSIS, SPREAD = 109, 0
-# Points of curves over angles and facets, and spins tried from back spin to rolling.
-POINTS, TRIED_SPINS = 61, 41
+# Points of curves over angles and facets.
+POINTS = 61
 # How far a constant region of the impulse ratio may stray, and the least width of a transition that
 # is seen, degrees.
 CONSTANT_WITHIN, LEAST_TRANSITION = 0.1, 5.0
@@ -301,38 +301,6 @@ def inverse_tangent(angle: FloatArray) -> FloatArray:
     """Return the printed tan^-1 of an angle (rad), read as the reciprocal of the tangent."""
     cotangent: FloatArray = np.sin(0.5 * np.pi - angle) / np.sin(angle)
     return cotangent
-
-
-@Claim(
-    "C15",
-    "An initial spin can bring the impulse ratio of a slow oblique impact to zero or below.",
-    where="2.4.2, Fig. 9",
-    quote="Some values even are less than or close to zero",
-    kind="arithmetic",
-    article="at most 0",
-    numbers={
-        "impulse_ratio_with_greatest_spin": Number(
-            "impulse ratio at [[angle_deg:g]]° with the greatest spin", at_most=0.0
-        ),
-    },
-    reason=(
-        "The spin has the sense of rolling and r omega = v at [[speed_m_per_s:g]] m/s, the "
-        "largest spin that rolling on a wall of the dispenser can give. An identity of Eq. 12 for "
-        "rolling spheres; C78 is the related claim that a computation can refute."
-    ),
-    cases=RIDGE,
-    figures="fig09 fig17",
-    equations="11 12 13",
-    by_case=True,
-)
-def c15(
-    context: Context, *, speed_m_per_s: Positive, angle_deg: AngleDegrees, spin_ratio: Finite
-) -> Numbers:
-    """Impulse ratio of a slow oblique impact with the spin of a sphere that has rolled."""
-    contact = context.steel
-    spin = spin_ratio * speed_m_per_s / contact.radius
-    impact = simulate(contact, speed_m_per_s, angle_deg, spin)
-    return {"impulse_ratio_with_greatest_spin": impact.impulse_ratio}
 
 
 @Claim(
@@ -854,56 +822,6 @@ def c77(
 
 
 @Claim(
-    "C111",
-    (
-        "No one initial spin accounts both for the narrower rolling region and for impulse ratios "
-        "of zero or less at 0.45 m/s."
-    ),
-    where="2.4.2, Fig. 9",
-    kind="finding",
-    article="spin for the low ratios alone",
-    numbers={
-        "share_of_spins_that_do_both": Number(at_most=0.0),
-        "share_of_spins_that_narrow_rolling": Number(),
-        "share_of_spins_without_friction": Number(),
-    },
-    reason=(
-        "No spin of r omega from -v to v does both, to the mean sphere. Narrower means by a step "
-        "between the angles measured, [[seen_shift_deg:g]]°; the ratio is taken at "
-        "[[angle_deg:g]]°. The article offers spin for the low ratios, and both were seen in one "
-        "series."
-    ),
-    cases=RIDGE,
-    figures="fig09",
-    equations="11 12 13",
-    by_case=True,
-)
-def c111(
-    context: Context,
-    *,
-    speeds_m_per_s: tuple[Positive, Positive],
-    angle_deg: AngleDegrees,
-    seen_shift_deg: Positive,
-) -> Numbers:
-    """Share of initial spins that narrow rolling visibly, that end friction, and that do both.
-
-    Of spins of the mean sphere at the slowest speed, from back spin r omega = v to rolling.
-    """
-    fast, slowest = speeds_m_per_s
-    spins = np.linspace(-1.0, 1.0, TRIED_SPINS)
-    base = rolling_limit(context.steel, fast, 0.0)
-    shift = np.array([rolling_limit(context.steel, slowest, spin) - base for spin in spins])
-    turning = spins * slowest / context.steel.radius
-    ratio = simulate(context.steel, slowest, angle_deg, turning).impulse_ratio
-    narrower, frictionless = shift >= seen_shift_deg, ratio <= 0.0
-    return {
-        "share_of_spins_that_do_both": np.mean(narrower & frictionless),
-        "share_of_spins_that_narrow_rolling": np.mean(narrower),
-        "share_of_spins_without_friction": np.mean(frictionless),
-    }
-
-
-@Claim(
     "C78",
     "Initial spins bring the mean impulse ratio at 0.45 m/s to zero or below.",
     where="2.4.2, Fig. 9",
@@ -920,7 +838,7 @@ def c111(
     },
     reason=(
         "Tested at [[angle_deg:g]]° over spreads of r omega of [[spin_spreads:g]] v: about zero, "
-        "and about r omega = v in the sense of rolling on the needle wall. Sharpens C15."
+        "and about r omega = v in the sense of rolling on the needle wall."
     ),
     cases=(
         "steel-silicon, n = 0, spins of either sense",

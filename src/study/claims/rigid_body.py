@@ -4,78 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray, Real
-from microimpact.model.choices import FRICTION_BASES
+from microimpact.core.arrays import FloatArray
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
-from microimpact.model.dynamics.normal import losses, normal_impact
-from microimpact.model.dynamics.trajectory import trajectory
+from microimpact.model.dynamics.normal import losses
 from microimpact.model.rigid_body.algebra import (
-    adhesion_impulse,
     adhesion_work,
-    deformation_impulse,
-    restitution_with_adhesion,
 )
 from study.claims.claim import RIDGE, Claim, Number
 from study.claims.context import Context, Numbers, greatest, without_adhesion
-from study.claims.experiments import rebounding_speeds
-from study.declared.parameters import AngleDegrees, Finite, Fraction, Positive
-
-# Entries of the energy ledger that are lost.
-WORKS = ("hertz_work", "adhesion_work")
-# Instants of a trajectory whose works are added up.
-INSTANTS = 4001
-# At which identities are tried: over the range of the article, and from hardly any adhesion to
-# capture.
-RESTITUTIONS = (0.3, 0.5, 0.7, 0.9)
-ADHESION_COEFFICIENTS = (0.05, 0.2, 0.5, 0.8, 1.0)
-
-
-@Claim(
-    "C18",
-    (
-        "The definition of the adhesion coefficient and the impulse of adhesion give the same "
-        "restitution."
-    ),
-    where="3.1.1, 3.1.2",
-    quote="The coefficients are not independent",
-    kind="arithmetic",
-    article="identity",
-    numbers={
-        "largest_difference_of_restitution": Number(at_most=1e-12),
-    },
-    reason=(
-        "An identity once the deformation impulse in Eq. 5 is that of the rebound; only rounding "
-        "may remain."
-    ),
-    if_met="reproduced with a correction",
-    equations="5 9 10 16",
-)
-def c18(context: Context) -> Numbers:
-    """Restitution from momentum with the adhesion impulse of Eqs. (5) and (10), and by Eq. (16)."""
-    R, rho = body_and_adhesion()
-    v_n = -context.speed
-    impulses = (-rho * loading_impulse(v_n, R), adhesion_impulse(v_n, R, rho))
-    # e from V_n = v_n + P_D + P_A, impulses per mass.
-    restitutions = [-(v_n + deformation_impulse(v_n, R) + adhesive) / v_n for adhesive in impulses]
-    restitutions.append(restitution_with_adhesion(R, rho))
-    return {"largest_difference_of_restitution": np.max(np.ptp(np.array(restitutions), axis=0))}
-
-
-def loading_impulse(v_n: float, R: Real) -> Real:
-    """Deformation impulse per mass of which adhesion takes the share rho in Eq. (5): rebound's."""
-    return deformation_impulse(v_n, R) - approach_impulse(v_n, R)
-
-
-def approach_impulse(v_n: float, R: Real) -> Real:
-    """Deformation impulse per mass of the approach, which stops the sphere, of the shape of R."""
-    return deformation_impulse(v_n, np.zeros_like(R))
-
-
-def body_and_adhesion() -> tuple[FloatArray, FloatArray]:
-    """Return all pairs of body restitution and adhesion coefficient."""
-    R, rho = np.meshgrid(RESTITUTIONS, ADHESION_COEFFICIENTS)
-    return R, rho
+from study.declared.parameters import AngleDegrees, Finite, Positive
 
 
 @Claim(
@@ -118,36 +56,6 @@ def c19(context: Context) -> Numbers:
         "largest_impulse_ratio_over_friction": greatest(impact.impulse_ratio, free) / friction,
         "largest_impulse_ratio_over_friction_hertz": greatest(hertz.impulse_ratio, free) / friction,
     }
-
-
-@Claim(
-    "C20",
-    "At capture the work of adhesion equals the whole energy that the deformation returns.",
-    where="3.1.3",
-    quote="the works of the body and adhesion impulses should be equal and opposite, not zero",
-    kind="arithmetic",
-    article="identity",
-    numbers={
-        "work_ratio_at_capture": Number(within=(1.0, 1e-12)),
-    },
-    reason=(
-        "An identity of Eq. 18 with an adhesion coefficient of one. C101 is the related claim "
-        "that a computation can refute."
-    ),
-    equations="16 17 18",
-)
-def c20(context: Context) -> Numbers:
-    """Work of Eq. (18) at rho = 1 over the energy that deformation gives back; farthest from 1."""
-    R = np.array(RESTITUTIONS)
-    given_back = 0.5 * np.square(restitution_with_adhesion(R, 0.0) * context.speed)
-    ratio = adhesion_work(-context.speed, R, 1.0) / given_back
-    return {"work_ratio_at_capture": farthest(ratio)}
-
-
-def farthest(ratios: Real) -> float:
-    """Return the ratio that is farthest from 1."""
-    flat = np.ravel(ratios)
-    return float(flat[np.argmax(np.abs(flat - 1.0))])
 
 
 @Claim(
@@ -272,41 +180,6 @@ def c23(context: Context, *, plateau_deg: AngleDegrees) -> Numbers:
 
 
 @Claim(
-    "C24",
-    "Both models separate the loss in the materials from the loss to adhesion.",
-    where="3, 3.1, 3.2",
-    quote=(
-        "distinguish between energy lost due to material deformation and energy lost in the "
-        "adhesion process"
-    ),
-    kind="arithmetic",
-    article="identity",
-    numbers={
-        "largest_relative_residual_of_energy": Number(at_most=1e-09),
-    },
-    reason=(
-        "Both works and the kinetic energies must balance to the error of integration. C102 is "
-        "the related claim that a computation can refute."
-    ),
-    equations="17 19 25",
-)
-def c24(context: Context) -> Numbers:
-    """Kinetic energy loss less both works: residuals of simulated rebounds, and of Eq. (17)."""
-    R, rho = body_and_adhesion()
-    half = 0.5 * context.speed**2
-    e = restitution_with_adhesion(R, rho)
-    works = (1.0 - np.square(R)) * half + adhesion_work(-context.speed, R, rho)
-    residuals = [np.abs((1.0 - np.square(e)) * half - works) / half]
-    for case in context.cases():
-        ledger = normal_impact(case.steel, rebounding_speeds(case), ledger=True).ledger
-        assert ledger is not None
-        lost = ledger.kinetic_before - ledger.kinetic_after
-        works = sum(getattr(ledger, work) for work in WORKS)
-        residuals.append(np.abs(lost - works) / ledger.kinetic_before)
-    return {"largest_relative_residual_of_energy": max(np.max(part) for part in residuals)}
-
-
-@Claim(
     "C91",
     "Initial spin explains the impulse ratios away from zero that were common at 90°.",
     where="3.1.4",
@@ -401,54 +274,6 @@ def c92(context: Context, *, plateau_deg: AngleDegrees) -> Numbers:
 
 
 @Claim(
-    "C93",
-    (
-        "Without adhesion the friction impulse vanishes with the normal speed, and the impulse "
-        "ratio stays equal to the friction coefficient."
-    ),
-    where="3.1.4",
-    quote="the normal impulse, P_n, approach zero and the consequent friction goes to zero",
-    kind="arithmetic",
-    article="0 impulse",
-    numbers={
-        "tangential_impulse_over_momentum": Number(
-            "tangential impulse over momentum at [[angle_deg:g]]°", at_most=0.001
-        ),
-        "largest_difference_of_impulse_ratio_from_friction": Number(
-            "largest difference between impulse ratio and friction coefficient", at_most=1e-09
-        ),
-    },
-    reason=(
-        "A limit, tested at [[angle_deg:g]]° with ring force 0 and all three normal forces in "
-        "Coulomb's law. The ratio is exact to the error of integration."
-    ),
-    cases=RIDGE,
-    figures="fig18",
-    equations="25 27",
-    by_case=True,
-)
-def c93(context: Context, *, share_without_adhesion: Fraction, angle_deg: AngleDegrees) -> Numbers:
-    """Impulse and impulse ratio at a vanishing angle without adhesion, by all measures.
-
-    Parameters
-    ----------
-    share_without_adhesion
-        Of the work of adhesion that is left.
-    """
-    contact = context.steel
-    work = np.asarray(contact.work_of_adhesion) * share_without_adhesion
-    impact = contact.replace(work_of_adhesion=work), context.speed, angle_deg
-    limits = [simulate(*impact, friction_basis=basis) for basis in FRICTION_BASES]
-    along = context.speed * np.cos(np.radians(angle_deg))
-    momentum = max((along - i.tangential_velocity) / context.speed for i in limits)
-    difference = max(abs(i.impulse_ratio - contact.friction) for i in limits)
-    return {
-        "tangential_impulse_over_momentum": momentum,
-        "largest_difference_of_impulse_ratio_from_friction": difference,
-    }
-
-
-@Claim(
     "C101",
     (
         "The work of adhesion of the rigid body model equals the energy that the simulation loses "
@@ -464,7 +289,7 @@ def c93(context: Context, *, share_without_adhesion: Fraction, angle_deg: AngleD
     reason=(
         "Eq. 18, with the body restitution of a run without ring force and the adhesion "
         "coefficient that follows, must give the simulated work within 5 %, at "
-        "[[speeds_m_per_s:g]] m/s. Related to C20."
+        "[[speeds_m_per_s:g]] m/s."
     ),
     cases=RIDGE,
     figures="fig14",
@@ -494,7 +319,6 @@ def c101(context: Context, *, speeds_m_per_s: tuple[Positive, ...]) -> Numbers:
     reason=(
         "One minus the square of the body restitution, from a run without ring force, must give "
         "the simulated material loss with adhesion within 5 %, at [[speeds_m_per_s:g]] m/s. "
-        "Related to C24."
     ),
     cases=RIDGE,
     figures="fig14",
@@ -515,42 +339,3 @@ def c102(context: Context, *, speeds_m_per_s: tuple[Positive, ...]) -> Numbers:
 def body_restitution(contact: Contact, speed: FloatArray) -> FloatArray:
     """Return R, the restitution of the same contact without ring force."""
     return simulate(without_adhesion(contact), speed).coefficient_of_restitution
-
-
-@Claim(
-    "C108",
-    "Most of the energy lost to adhesion is lost on rebound.",
-    where="7, 3.1.1",
-    quote="the majority of contact energy loss (due to adhesion) occurs during rebound",
-    kind="arithmetic",
-    article="more than half",
-    numbers={
-        "rebound_share_of_adhesion_loss": Number(at_least=0.5),
-        "rebound_share_if_approach_is_damped": Number(),
-    },
-    reason=(
-        "Most means more than half. An assumption of the model, in which adhesion damping acts on "
-        "rebound alone; 3.2.1 allows it on approach as well, and the share for that is reported; "
-        "at [[steel.speed_m_per_s:g]] m/s with the calibrated coefficients."
-    ),
-    cases=RIDGE,
-    equations="19 25",
-    by_case=True,
-)
-def c108(context: Context, *, attachment_damped: bool) -> Numbers:
-    """Share of the loss to damped adhesion that falls on the rebound.
-
-    As the model supposes, with damping on rebound alone, and with damping on approach as well.
-    """
-
-    def rebound_share(damped: bool) -> float:
-        contact = context.steel.replace(damped_attachment=damped)
-        path = trajectory(contact, context.speed, points=INSTANTS)
-        power = np.abs(path.adhesion_damping_force * path.velocity)
-        rebound = np.trapezoid(np.where(path.velocity > 0.0, power, 0.0), path.time)
-        return float(rebound / np.trapezoid(power, path.time))
-
-    return {
-        "rebound_share_of_adhesion_loss": rebound_share(attachment_damped),
-        "rebound_share_if_approach_is_damped": rebound_share(damped=True),
-    }

@@ -11,24 +11,18 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.model.contact import Contact
-from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from microimpact.model.rigid_body.roughness import measured_impulse_ratio, measured_restitution
 from microimpact.statistics.distributions import Constant, mean
 from study.analyses.roughness_expansions.compute import EQUATIONS, FORMS, SlopedImpacts
 from study.claims.claim import RIDGE, Claim, Number
 from study.claims.context import AngleRange, Angles, Context, Numbers
-from study.claims.rigid_body import RESTITUTIONS
 from study.claims.spores import rise
 from study.contacts import calibrated_contact
-from study.declared.parameters import AngleDegrees, CaseName, Finite, Fraction, NonNegative
+from study.declared.parameters import AngleDegrees, CaseName, Fraction, NonNegative
 from study.samples import Dropped
 
 SOURCES = ("slope", "diameter", "speed", "spin")
 # Steps in which a range of angles is walked, degrees.
 COARSE = 1.0
-# Slopes at which identities are tried, up to twice those of a lapped surface. None is turned away
-# by half an angle of incidence, where the printed Eq. 35 is infinite.
-SLOPES_DEG = (-17, -11, -6, -3, -1, 1, 2, 5, 10, 20)
 # Of expansions at normal incidence: terms of higher order are below a millionth.
 SMALL_SLOPE_DEG = 0.1
 # From which relative restitution counts (Section 4.2).
@@ -37,44 +31,6 @@ REFERENCE_DEG = 85.0
 Source = Literal["slope", "diameter", "speed", "spin"]
 SlopeForm = Literal["corrected", "printed"]
 FacingDegrees = Annotated[float, Field(gt=-90, lt=90)]
-
-
-@Claim(
-    "C44",
-    "The coefficients measured on a slope follow from the true ones by a rotation.",
-    where="4.1",
-    quote="can be expressed in terms of the true velocity components",
-    kind="arithmetic",
-    article="identity",
-    numbers={
-        "largest_difference": Number(at_most=1e-12),
-    },
-    reason=(
-        "An identity of rotated velocities once the denominator of Eq. 35 has a plus sign; only "
-        "rounding may remain."
-    ),
-    if_met="reproduced with a correction",
-    figures="fig22 roughness",
-    equations="35 36",
-)
-def c44(context: Context) -> Numbers:
-    """Eqs. (35), (36) against velocities turned to the slope, rebounded there and turned back."""
-    friction = context.params.steel.friction
-    angle, slope, e = np.meshgrid(
-        np.radians(context.params.steel.angles_deg), np.radians(SLOPES_DEG), RESTITUTIONS
-    )
-    facing = angle + slope > 0.0
-    angle, slope, e = angle[facing], slope[facing], e[facing]
-    local = rigid_body_rebound(-np.sin(angle + slope), np.cos(angle + slope), 0.0, 1.0, e, friction)
-    normal = local.V_n * np.cos(slope) + local.V_t * np.sin(slope)
-    along = local.V_t * np.cos(slope) - local.V_n * np.sin(slope)
-    restitution = normal / np.sin(angle)
-    ratio = (along - np.cos(angle)) / (normal + np.sin(angle))
-    differences = (
-        measured_restitution(angle, slope, e, local.mu) - restitution,
-        measured_impulse_ratio(slope, local.mu) - ratio,
-    )
-    return {"largest_difference": max(np.max(np.abs(part)) for part in differences)}
 
 
 @Claim(
@@ -202,84 +158,6 @@ def c48(context: Context, *, restitutions: tuple[Fraction, ...]) -> Numbers:
     return {
         "largest_relative_error_of_printed_coefficient": np.max(np.abs(errors[0])),
         "largest_error_of_corrected_coefficient": np.max(np.abs(errors[1])),
-    }
-
-
-@Claim(
-    "C49",
-    ("At normal incidence without spin the measured impulse ratio is proportional to the slope."),
-    where="4.1.2",
-    quote="the measured impulse ratio is directly related to the slope",
-    kind="arithmetic",
-    article="proportional, by Eq. 41",
-    numbers={
-        "largest_error_of_coefficient_of_slope": Number(
-            "largest error of the coefficient of the slope", at_most=0.001
-        ),
-        "impulse_ratio_without_slope": Number(within=(0.0, 1e-12)),
-    },
-    reason=(
-        "The first coefficient of Eq. 41 is exact, so its error against the exact rotation is "
-        "only numerical, for restitutions of [[restitutions:g]]. Proportionality means that "
-        "nothing remains at no slope."
-    ),
-    figures="roughness",
-    equations="36 41",
-)
-def c49(context: Context, *, restitutions: tuple[Fraction, ...]) -> Numbers:
-    """Error of the coefficient of phi in mu_m (Eq. 41), and mu_m without a slope."""
-    sloped, flat = (
-        on_slope(context, 90.0, degrees, e=np.array(restitutions))
-        for degrees in (SMALL_SLOPE_DEG, 0.0)
-    )
-    exact, level = (case.rebound.measured_impulse_ratio for case in (sloped, flat))
-    first_order = EQUATIONS["41"].value(replace(sloped, spin_ratio=0.0), "corrected")
-    errors = (exact - level - first_order) / sloped.slope
-    return {
-        "largest_error_of_coefficient_of_slope": np.max(np.abs(errors)),
-        "impulse_ratio_without_slope": np.max(np.abs(level)),
-    }
-
-
-@Claim(
-    "C50",
-    (
-        "At normal incidence an initial spin biases the measured coefficients, and the bias has "
-        "the sign of the spin."
-    ),
-    where="4.1.2",
-    quote="a bias with the sign of ω can exist",
-    kind="arithmetic",
-    article="sign",
-    numbers={
-        "bias_of_impulse_ratio_over_that_of_eq_41": Number(
-            "bias of the impulse ratio relative to Eq. 41", within=(1.0, 0.01)
-        ),
-        "bias_of_restitution_over_first_order": Number(
-            "bias of restitution relative to first order", within=(1.0, 0.01)
-        ),
-    },
-    reason=(
-        "The bias is the difference of exact rotations with and without spin, at a slope of "
-        "[[slope_deg:g]]° and r omega of [[spin_ratio:g]] v, where the neglected terms are below "
-        "1 %. The spin term of Eq. 41 must be subtracted for a negative normal velocity."
-    ),
-    if_met="reproduced with a correction",
-    figures="roughness",
-    equations="35 36 40 41",
-)
-def c50(
-    context: Context, *, form: SlopeForm, slope_deg: FacingDegrees, spin_ratio: Finite
-) -> Numbers:
-    """Exact bias by spin over the bias of Eq. (41), and over (2/7) (r omega / v) phi."""
-    spun, bare = (on_slope(context, 90.0, slope_deg, spin_ratio=spin) for spin in (spin_ratio, 0.0))
-    exact, unbiased = spun.rebound, bare.rebound
-    of_mu = exact.measured_impulse_ratio - unbiased.measured_impulse_ratio
-    of_e = exact.measured_restitution - unbiased.measured_restitution
-    by_41, bare_41 = (EQUATIONS["41"].value(case, form) for case in (spun, bare))
-    return {
-        "bias_of_impulse_ratio_over_that_of_eq_41": of_mu / (by_41 - bare_41),
-        "bias_of_restitution_over_first_order": of_e / (2.0 / 7.0 * spun.spin_ratio * spun.slope),
     }
 
 

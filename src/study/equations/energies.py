@@ -118,5 +118,8 @@ PROOFS = {
         follows("balance of Eq. (17) at rho = 1", lambda: {W_A: balance()[W_A].subs(rho, 1)}),
         lambda x: _lost(x, 1.0),
     ),
+    "3.1.4 vanishing friction": Proof(
+        follows("impulse and momentum at v_n = 0", lambda: {P_t: newton()[P_t].subs(v_n, 0)})
+    ),
     "3.1.4 spin": Proof(Derivation("symbolic: 90 degrees, with spin and without", _made_by_spin)),
 }

@@ -25,7 +25,7 @@ from study.equations.records import (
 
 PROBE_HEIGHT = 1e-3  # m, Section 2.1
 
-alpha, e, eta, g, h, m, mu, omega, r = symbols("alpha e eta g h m mu omega r")
+alpha, e, eta, g, h, m, mu, mu_0, omega, r = symbols("alpha e eta g h m mu mu_0 omega r")
 v, V, v_n, v_t, v_probe, V_probe, Omega, T_L = symbols("v V v_n v_t v_probe V_probe Omega T_L")
 eta_rate, eta_s_rate, eta_squared_rate = symbols("eta_rate eta_s_rate eta_squared_rate")
 
@@ -42,7 +42,7 @@ def free_fall() -> Facts:
 @cache
 def rolling_loss() -> sympy.Expr:
     """Translational loss of a sphere that arrives at an angle without spin and leaves rolling."""
-    state = {name: value.subs(mu, newton()[symbols("mu_0")[0]]) for name, value in newton().items()}
+    state = {name: value.subs(mu, newton()[mu_0]) for name, value in newton().items()}
     V_n, V_t = symbols("V_n V_t")
     arriving = {omega: 0, v_n: -v * sympy.sin(alpha), v_t: v * sympy.cos(alpha)}
     kept = (state[V_n] ** 2 + state[V_t] ** 2).subs(arriving)
@@ -52,6 +52,11 @@ def rolling_loss() -> sympy.Expr:
 def normal_incidence() -> Facts:
     """Impact at 90 degrees without spin: no tangential impulse, loss by the limit."""
     return {T_L: rolling_loss().subs(alpha, sympy.pi / 2), omega: 0, Omega: 0, V: e * v}
+
+
+def rolled_already() -> Facts:
+    """Impulse ratio of rolling for a sphere whose contact point does not slip on arrival."""
+    return {mu_0: newton()[mu_0].subs(omega, v_t / r)}
 
 
 def _growth(form: Form, _: ReferenceCase) -> bool:
@@ -109,6 +114,10 @@ PROOFS = {
             at.printed()
             - float(rolling_loss().subs({alpha: np.radians(50.0), e: at.values()["e"]}))
         ),
+    ),
+    "2.4.2 zero friction": Proof(
+        follows("Eq. (12) at r omega = v_t", rolled_already),
+        lambda x: algebra.rolling_impulse_ratio(x["v_n"], 0.0, x["e"]),
     ),
     "2.4.2 eta": Proof(
         follows("components of a velocity", lambda: {eta: -sympy.cos(alpha) / sympy.sin(alpha)}),

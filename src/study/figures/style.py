@@ -233,8 +233,8 @@ class Sheet:
         is_point = rows["evidence"].isin(POINTS)
         all_points = table.loc[table["evidence"].isin(POINTS), "series"].unique()
         enlarged = fixed and name in self.declared.views
-        self.overlay(ax, rows[is_point], series, list(all_points), enlarged=enlarged)
-        rows = rows[~is_point]
+        points, rows = rows[is_point], rows[~is_point]
+        self.overlay(ax, points, series, list(all_points), rows, enlarged=enlarged)
         calibrated = " (calibrated)" if {"computed", "calibrated"} <= set(table["evidence"]) else ""
         if rows.empty:
             raise ValueError(f"figure data: no rows for panel {panel!r}")
@@ -269,6 +269,7 @@ class Sheet:
         points: pd.DataFrame,
         series: Mapping[str, Series],
         names: Sequence[str],
+        curves: pd.DataFrame | None = None,
         *,
         enlarged: bool = False,
     ) -> None:
@@ -284,6 +285,8 @@ class Sheet:
             Those of the same name, or beginning with it and a comma, give points their colour.
         names
             All series of points of the figure, for their marks.
+        curves
+            Figure data of the panel: the key tells how far points are from the curve of their name.
         enlarged
             Whether the axes stay as they are: an enlarged view.
         """
@@ -304,7 +307,8 @@ class Sheet:
             look = EVIDENCE[evidence] | {"marker": marks[order % len(marks)]}
             look["zorder"] = 5 - 0.1 * order
             _draw_series(ax, rows, (x, y), evidence, Series(name), colour, None, look)
-            label = str(name_in_data).replace("$", r"\$")  # as it was written
+            far = "" if curves is None else _distance(rows, curves, name)
+            label = f"{name_in_data}{far}".replace("$", r"\$")  # as it was written
             self._points.append(Line2D([], [], color=colour, label=label, **look))
 
     def level(self, ax: Axes, height: float) -> None:
@@ -424,9 +428,32 @@ def _name_beside(ax: Axes, rows: pd.DataFrame, spec: Series, words: str, colour:
     ax.annotate(words, anchor, shift, textcoords="offset points", **look)
 
 
+def _is_named(series: str, name: str) -> bool:
+    """Tell whether a series has the name of points, alone or before a comma."""
+    return series == name or series.startswith(f"{name}, ")
+
+
+def _distance(points: pd.DataFrame, curves: pd.DataFrame, name: str) -> str:
+    """Return the rms difference of points from the first curve of their name, empty without one.
+
+    The curve is interpolated linearly, and not continued beyond its ends or over a gap.
+    """
+    at, height = points.iloc[:, 3:5].to_numpy(float).T
+    for series, curve in curves.groupby("series", sort=False):
+        x, y = curve.iloc[:, 3:5].to_numpy(float).T
+        x, y = (x, y) if x[0] < x[-1] else (x[::-1], y[::-1])
+        # An upright line, or one that turns back, is no function of x.
+        if _is_named(str(series), name) and np.all(np.diff(x) > 0.0):
+            difference = height - np.interp(at, x, y, left=np.nan, right=np.nan)
+            known = difference[np.isfinite(difference)]
+            if known.size:
+                return f", rms {np.sqrt(np.mean(np.square(known))):.2g}"
+    return ""
+
+
 def _points_colour(name: str, looks: Mapping[str, Series]) -> str:
     for index, (series, spec) in enumerate(looks.items()):
-        if series == name or series.startswith(f"{name}, "):
+        if _is_named(series, name):
             return f"C{index if spec.colour is None else spec.colour}"
     return "black"
 

@@ -15,7 +15,6 @@ from microimpact.core.materials import declared_file
 from study.claims.claim import Claim
 from study.judge.changed import Changed, with_inputs
 from study.judge.criteria import declared_claims
-from study.judge.digitised import digitised_rows
 from study.judge.independent import agreements, independent
 from study.judge.judging import (
     RESULT_COLUMNS,
@@ -58,11 +57,10 @@ def judge(
     Parameters
     ----------
     tables
-        ``claim_numbers``; ``claim_draws`` and ``posterior_contacts``, for the shares;
-        ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have
-        rows after the claims.
-    values
-        Parameters of ``claim_numbers``, for the words, see `declared_claims`.
+        ``claim_numbers``; ``claim_draws`` and ``posterior_contacts``, for the shares; and
+        ``external_evidence``.
+    criteria, values
+        File of claims and values in its words, see `read_claims`.
     changed
         Inputs of the studies that are not as shipped, see `changed.with_inputs`.
 
@@ -83,7 +81,6 @@ def judge(
     agreeing = agreements(evidence)
     ledger["independent"] = [agreeing.get(name, "") for name in ledger["id"]]
     marked = [with_inputs(row, changed) for _, row in ledger.iterrows()]
-    rows, residuals = digitised_rows(tables["digitised_residuals"])
     counts = [
         (name, *group, met / size, *interval, size)
         for name, share in drawn.items()
@@ -92,9 +89,9 @@ def judge(
         )
     ]
     return {
-        "claims": pd.DataFrame([*marked, *rows], columns=list(COLUMNS)),
+        "claims": pd.DataFrame(marked, columns=list(COLUMNS)),
         "claim_shares": pd.DataFrame(counts, columns=list(SHARE_COLUMNS)),
-        "claim_results": pd.DataFrame([*numbers, *residuals], columns=list(RESULT_COLUMNS)),
+        "claim_results": pd.DataFrame(numbers, columns=list(RESULT_COLUMNS)),
         "claim_evidence": evidence,
         "claim_amendments": pd.DataFrame(amendments()),
     }

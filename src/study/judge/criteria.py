@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from study.claims.claim import CLAIMS, Claim, Kind, ascending
+from study.claims.claim import CLAIMS, Claim, ascending
 from study.claims.sections import SECTIONS
 
 Verdict = Literal[
@@ -20,9 +20,6 @@ Verdict = Literal[
 # that it was not computed.
 UNDECIDED: Literal["undecided"] = "undecided"
 Finding = Literal[Verdict, "not computed", "undecided"]
-
-# Kinds that are listed but not counted among the statements of the article.
-UNCOUNTED: tuple[Kind, ...] = ("arithmetic", "finding")
 
 
 class ClaimsError(ValueError):

@@ -1,4 +1,4 @@
-"""How a verdict follows from criteria and numbers, for claims and for digitised points alike.
+"""How a verdict follows from criteria and numbers.
 
 A claim is evaluated for alternatives that the published facts leave open: calibrated cases, or, in
 each scenario, draws of the contacts that the printed statements admit. The share of them that meets

@@ -184,7 +184,7 @@ def _shipped(results: Path) -> bool:
 
 def _computed(claim: Claim, params: Common, made: Made) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the numbers of a claim, and those for drawn contacts if it has some."""
-    rows = study_rows(STUDY, made.settings, {})
+    rows = study_rows(STUDY, made.settings)
     made.update({key: parse_table(text) for key, text in rows.items()})
     numbers = numbers_of(claim.id, params, made)
     drawn = CLAIMS[claim.id].by_contact

@@ -28,7 +28,7 @@ _reference_option = click.option(
 @_reference_option
 def check_command(results: Path, reference: Path) -> None:
     """Compare the tables, data and figures in RESULTS with committed references."""
-    from study.report.check.differences import markdown
+    from study.report.check.differences import as_text
     from study.report.check.results import TABLE_FOLDERS, table_files
     from study.report.check.verify import require_same_settings, verify
 
@@ -41,7 +41,7 @@ def check_command(results: Path, reference: Path) -> None:
     for folder in TABLE_FOLDERS:
         names = {Path(d.file).stem for d in differences if d.file.startswith(f"{folder}/")}
         click.echo(f"{folder.capitalize()}: {', '.join(sorted(names)) or 'none'}")
-    click.echo(f"\n{markdown(differences)}")
+    click.echo(f"\n{as_text(differences)}")
     raise SystemExit(1)
 
 
@@ -51,13 +51,13 @@ def check_command(results: Path, reference: Path) -> None:
 @click.option("--remove", is_flag=True, help="Drop references of files that RESULTS lacks.")
 def reference_command(results: Path, reference: Path, *, remove: bool) -> None:
     """Show how RESULTS differs from the references, then make it the reference."""
-    from study.report.check.differences import markdown
+    from study.report.check.differences import as_text
     from study.report.check.verify import renew, verify
 
     reference.mkdir(parents=True, exist_ok=True)
     differences = verify(results, reference)
     if differences:
-        click.echo(markdown(differences) + "\n")
+        click.echo(as_text(differences) + "\n")
     changed = renew(results, reference, differences, remove=remove)
     click.echo(f"{reference}: {len(changed)} files changed")
 
@@ -65,17 +65,12 @@ def reference_command(results: Path, reference: Path, *, remove: bool) -> None:
 @click.command("compare", short_help="Two results folders side by side.")
 @click.argument("baseline", type=_folder)
 @click.argument("changed", type=_folder)
-@click.option("--html", type=_folder, help="Write a page with figures side by side, too.")
-def compare_command(baseline: Path, changed: Path, html: Path | None) -> None:
+def compare_command(baseline: Path, changed: Path) -> None:
     """Compare inputs, numbers, verdicts and figures of two results folders."""
-    from microimpact.core.files import write_file
-    from study.report.check.compare import as_text, compare, page
+    from study.report.check.compare import compare
 
     changes = compare(baseline, changed)
-    echo(as_text(changes))
-    if html:
-        write_file(html, page(changes))
-        click.echo(f"\nPage: {html}")
+    click.echo(f"# {baseline} (baseline) and {changed} (changed)\n\n{changes}")
     if not changes.same:
         raise SystemExit(1)
 

@@ -7,8 +7,7 @@ claims.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +19,11 @@ import yaml
 from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
 from study import analyses
-from study.judge import amendments
+from study.judge import amendments, counts
 from study.judge.criteria import declared_claims
 from study.judge.words import agreement, drawn_share, quantities, readable, with_unit
 from study.report.site.figures import label
-from study.report.site.ledgers import Row, by_claim, counted, read_rows
+from study.report.site.ledgers import by_claim, read_rows
 from study.report.site.pages import render
 from study.report.site.record import read_record
 
@@ -181,8 +180,7 @@ def deviations(results: Path) -> str:
     """
     tables = {name: read_rows(results / f"tables/{name}.csv") for name in LEDGERS}
     equations = tables["equations"]
-    # Rows after the claims are about digitised points of the user's own.
-    claims = [row for row in tables["claims"] if row["id"].startswith("C")]
+    claims = tables["claims"]
     parts = (by_claim(tables[name]) for name in LEDGERS[2:])
     evidence, numbers, shares = parts
     declared = declared_claims()
@@ -194,8 +192,7 @@ def deviations(results: Path) -> str:
     page = render(
         f"{DEVIATIONS}{SUFFIX}",
         templates=Path(__file__).parent,
-        equation_counts=verdict_counts(equations),
-        claim_counts=verdict_counts(counted(claims)),
+        counts=counts,
         equations=equations,
         claims=claims,
         declared=declared,
@@ -210,11 +207,6 @@ def deviations(results: Path) -> str:
         with_unit=with_unit,
     )
     return page.rstrip() + "\n"
-
-
-def verdict_counts(rows: Sequence[Row]) -> dict[str, int]:
-    """Return how many rows of a ledger got each verdict, the most frequent first."""
-    return dict(Counter(row["verdict"] for row in rows).most_common())
 
 
 def renew(results: Path, docs: Path, kept: Path) -> list[Path]:

@@ -33,7 +33,7 @@ from study.declared.references import Resolver
 from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
 from study.figures.declaration import Figure
 from study.laboratory import Laboratory
-from study.run.digitised import Digitised, as_rows, read_folder
+from study.run.digitised import files_of
 from study.run.stamp import changes
 
 
@@ -355,7 +355,7 @@ class Inputs:
     # Rows of the declared tables that each study is given, as CSV by table.
     rows: Mapping[str, Mapping[str, str]]
     figures: Mapping[str, Figure]  # Words filled in
-    digitised: Mapping[str, Digitised]  # Digitised points by figure
+    digitised: Mapping[str, str]  # Files of the user's own points by figure
 
 
 def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
@@ -377,7 +377,7 @@ def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
     tables = settings.tables
     materials = _materials(tables.materials)
     with located(general.contacts):
-        pairs = pairs_from_rows(tables.contacts.rows)
+        contacts = pairs_from_rows(tables.contacts.rows)
     wrong = [
         f"{general.materials}: {name}: {line}"
         for name, material in materials.items()
@@ -385,8 +385,8 @@ def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
     ]
     wrong += [
         f"{general.contacts}: {line}"
-        for pair in pairs
-        for line in _out_of_range(pair, materials, pairs)
+        for pair in contacts
+        for line in _out_of_range(pair, materials, contacts)
     ]
     if wrong:
         raise ValueError("\n".join(wrong))
@@ -395,11 +395,10 @@ def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
         name: each.filled(branches[each.analysis], pairs, changed=each.analysis in changed)
         for name, each in analyses.figures().items()
     }
-    digitised = read_folder(general.digitised, figures)
     return Inputs(
-        rows={name: study_rows(name, settings, digitised) for name in settings.branches},
+        rows={name: study_rows(name, settings) for name in settings.branches},
         figures=figures,
-        digitised=digitised,
+        digitised=files_of(general.digitised, figures),
     )
 
 
@@ -413,20 +412,16 @@ def _materials(table: DeclaredTable) -> dict[str, Material]:
         raise ValueError(f"{table.path}: {error}") from None
 
 
-def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]) -> dict[str, str]:
+def study_rows(name: str, settings: Settings) -> Mapping[str, str]:
     """Return the declared rows that a study is given, as CSV by table.
 
-    Rows named by its branch; for `contact_properties` all contacts, for `declared_inputs` all
-    rows. Digitised points go to the studies that compare with them.
+    Rows named by its branch; for `contact_properties` all contacts, for `declared_inputs` all.
     """
     if name == "declared_inputs":
         return settings.tables.everything(settings.declared)
     if name == "contact_properties":
         return settings.tables.contact_rows()
-    if name == "digitised_comparison":
-        return as_rows(digitised, digitised)
-    compared = ("fig15", "fig16") if name == "fig15_16_restitution_fits" else ()
-    return {**settings.rows[name], **as_rows(digitised, compared)}
+    return settings.rows[name]
 
 
 def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:

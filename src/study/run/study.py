@@ -70,7 +70,7 @@ def run_study(
             raise ValueError(f"{key}: is shared by all studies: an overlay changes it, not {name}")
     text = json.dumps(changes, default=_plain)
     settings = _settings(name, text) if changes else settings_as_shipped()
-    rows = study_rows(name, settings, {})
+    rows = study_rows(name, settings)
     inputs = dict(tables or {})
     for table, maker in analyses.needs(name).items():
         if table not in inputs:
@@ -141,7 +141,7 @@ class Made(dict[str, "pd.DataFrame"]):
         if self.moved(maker):
             self.makers |= analyses.needs(maker)
             needed = {name: self[name] for name in analyses.needs(maker)}
-            rows = study_rows(maker, self.settings, {})
+            rows = study_rows(maker, self.settings)
             self.update(run_with(maker, self.settings.branches[maker], rows, needed))
         elif self.results:
             self[table] = read_table(self.results / f"tables/{table}.csv")

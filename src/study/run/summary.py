@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from study.judge.counts import verdicts
 from study.tables import NOT_COMPUTED
 
 # Files that are named; of more only their number is told.
@@ -44,8 +45,8 @@ def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) ->
     lines += dict.fromkeys(f"Not computed: {why}." for why in reasons)
     if "report/index.html" in made:
         for name, words in (("claims", "Claims of the article"), ("equations", "Its equations")):
-            verdicts = Counter(_cells(results / f"tables/{name}.csv", "verdict")).most_common()
-            numbers = ", ".join(f"{count} {verdict}" for verdict, count in verdicts)
+            judged = verdicts(_cells(results / f"tables/{name}.csv", "verdict"))
+            numbers = ", ".join(f"{count} {verdict}" for verdict, count in judged.items())
             lines += [f"{words}: {numbers}."] if numbers else []
     if outdated:
         number = f"{len(outdated)} results" if len(outdated) > 1 else outdated[0]

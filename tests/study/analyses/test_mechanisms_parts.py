@@ -11,9 +11,11 @@ from tests.shared import STILL
 from microimpact.lab.bounces import resting
 from microimpact.lab.dispenser import NO_SPIN
 from microimpact.lab.events import Falling
+from microimpact.lab.experiment import Target
 from microimpact.lab.reduction import EXACT
+from microimpact.lab.surface import rough
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import simulate
+from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.statistics.distributions import TruncatedNormal, generator
 from study.analyses.mechanisms.impulse_regions import regions
 from study.analyses.mechanisms.loss import rigid_loss
@@ -91,6 +93,35 @@ def test_limit_of_rolling(contact):
     closed = np.degrees(np.arctan(1.0 / (3.5 * 0.15 * (1.0 + e))))
     assert found == pytest.approx(closed, abs=1.0)
     assert rolling_limit(contact, 1.66, -0.3) > found + 5.0
+
+
+def test_slopes_let_capture_appear_at_a_lower_normal_speed_at_shallow_angles(contact):
+    """A finding of docs/experiments.md: without slopes capture knows the normal speed alone."""
+    spheres, limit = 500, float(capture_velocity(contact))
+
+    def captured(slope_sd, angle):
+        """Return the share captured at 0.9 of the normal speed of capture."""
+        into, along = velocity_components(0.9 * limit / np.sin(np.radians(angle)), angle)
+        velocity = np.tile([along, 0.0, into], (spheres, 1))
+        target = Target(contact=contact, surface=rough(slope_sd))
+        diameter = np.full(spheres, contact.diameter)
+        return target.hit(diameter, velocity, 0.0 * velocity, generator(98)).captured.mean()
+
+    assert captured(0.0, 90.0) == captured(0.0, 10.0) == 1.0
+    assert captured(0.1, 90.0) > 0.9
+    assert captured(0.1, 10.0) < 0.5
+
+
+def test_no_spin_both_narrows_the_rolling_region_and_ends_friction(contact):
+    """A finding of docs/experiments.md, on Fig. 9."""
+    slow, spins = 0.45, np.linspace(-1.0, 1.0, 41)
+    wide = rolling_limit(contact, 1.6, 0.0)
+    narrower = np.array([rolling_limit(contact, slow, spin) for spin in spins]) >= wide + 5.0
+    impact = simulate(contact, slow, 45.0, spins * slow / contact.radius)
+    frictionless = impact.impulse_ratio <= 0.0
+    assert narrower.any()
+    assert frictionless.any()
+    assert not (narrower & frictionless).any()
 
 
 def test_regions_of_an_ideal_curve():

@@ -130,10 +130,7 @@ def earlier_work_of_adhesion(v_n, R, rho):
     return np.square(v_n) * np.square(R) * rho * (1.0 - rho) / 2.0
 
 
-def reversed_spin(claim, world):
-    plain = oblique.rolling_limit
-
-    def reversed_limit(contact, speed, spin):
+def reversed_limit(contact, speed, spin):
         return plain(contact, speed, -spin)
 
     return patched(claim, world, oblique, rolling_limit=reversed_limit)
@@ -199,15 +196,6 @@ def exponent_5_2(claim, world):
         return dynamics.damping_group(self) ** -2.5
 
     return patched(claim, world, Contact, damping_unit=property(printed))
-
-
-def equal_pull_off_forces(claim, world):
-    """Ring force of greatest pull (4/3) pi f_0 (2 pi f_0 r/(3 K))^(1/2) as JKR's, (3/2) pi w r."""
-
-    def ring_force(work, radius, stiffness):
-        return (9.0 / 8.0 * work * np.sqrt(1.5 * stiffness * radius / np.pi)) ** (2.0 / 3.0)
-
-    return patched(claim, world, contact_module, ring_force_from_work=ring_force)
 
 
 def force_history(claim, world, **factors):
@@ -284,11 +272,7 @@ def small_levels_of_damping(claim, world):
 BREAKS = {
     "C11": partial(minus_in_eq_35, where=oblique),
     "C14": partial(patched, where=oblique, inverse_tangent=np.arctan),
-    "C18": partial(patched, where=rigid_body, loading_impulse=rigid_body.approach_impulse),
-    "C20": partial(patched, where=rigid_body, adhesion_work=earlier_work_of_adhesion),
-    "C24": partial(patched, where=rigid_body, WORKS=("hertz_work",)),
     "C25": exponent_5_2,
-    "C26": equal_pull_off_forces,
     "C30": partial(force_history, adhesion_damping=0.0),
     "C31": squared_sum_in_eq_20,
     "C32": partial(force_history, work_of_adhesion=2.0),
@@ -296,7 +280,6 @@ BREAKS = {
     "C34": no_material_damping,
     "C39": printed_sign_of_eq_29,
     "C42": partial(patched, where=dynamics, MOMENTS=("bound_over_friction",)),
-    "C44": partial(minus_in_eq_35, where=roughness),
     "C53": partial(levels, factor="adhesion_dissipation", half=0.05),
     "C54": small_levels_of_damping,
     "C55": effect_mixed_with_bd,
@@ -307,5 +290,4 @@ BREAKS = {
     "C92": net_force,
     "C101": partial(patched, where=rigid_body, adhesion_work=earlier_work_of_adhesion),
     "C103": partial(patched, where=dynamics, hertz_period=scale_of_the_group),
-    "C111": reversed_spin,
 }

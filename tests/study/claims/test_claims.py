@@ -34,7 +34,6 @@ LEAST = {
     "sampling": {"impacts": 200},
     "series_impacts": 200,
     "C64": {"sizes": 50, "experiments": 20},
-    "C98": {"spheres": 50},
     "C109": {"experiments": 2},
 }
 
@@ -247,8 +246,6 @@ def test_elasticities_are_those_of_the_similarity_law(value, inputs):
     [
         # period of Hertz over the time scale of Eqs. 23 and 24: 3.2181
         ("C103", "ratio_of_expressions", 1.0 / 3.21815, 1.0 / 3.21805),
-        # without adhesion all measures of the normal force are one: momentum leaves no choice
-        ("C93", "largest_difference_of_impulse_ratio_from_friction", 0.0, 1e-12),
         # a facet cannot make energy: no measured restitution exceeds one over the sine
         ("C46", "measured_restitution", 0.70, 1.0 / np.sin(np.radians(10.0))),
         # friction by the net force gives no rise at shallow angles

@@ -10,7 +10,6 @@ from study.claims.claim import NUMBER_COLUMNS
 from study.declared.parameters import build
 from study.judge import COLUMNS, LedgerError, judge, verdicts
 from study.judge.criteria import Claim, ClaimsError
-from study.judge.digitised import DigitisedCriteria, digitised_rows
 from study.judge.independent import AGREES, DISAGREES, SPLIT, agreements, independent
 from study.judge.judging import RESULT_COLUMNS
 from study.judge.words import agreement
@@ -20,6 +19,7 @@ def claim(**changes):
     entry = {
         "id": "C01",
         "where": "2",
+        "quote": "q",
         "statement": "s",
         "kind": "model",
         "article_value": "0.7",
@@ -145,12 +145,9 @@ def test_a_claim_that_could_not_be_computed_says_why_and_leaves_the_others_alone
 
 
 CLAIMS = """
-digitised:
-  normalised_rms: 2.0
-  rms_difference: {fig17: 0.05}
-  reason: r
 C01:
   where: "2"
+  quote: q
   statement: s
   kind: model
   article_value: "0.7"
@@ -164,11 +161,11 @@ C01:
 """
 
 
-def test_claims_facts_amendments_and_digitised_points_make_the_ledger(tmp_path):
+def test_claims_facts_and_amendments_make_the_ledger(tmp_path):
     path = tmp_path / "claims.yaml"
     path.write_text(CLAIMS)
     none = pd.DataFrame(columns=["claim", "alternative"])
-    tables = {"claim_numbers": numbers(GOOD[0]), "digitised_residuals": residuals()}
+    tables = {"claim_numbers": numbers(GOOD[0])}
     tables |= {"claim_draws": none, "posterior_contacts": pd.DataFrame()}
     row = ("falls", "silver", "agrees with independent data")
     tables["external_evidence"] = pd.DataFrame([row], columns=["fact", "contact", "agreement"])
@@ -179,82 +176,6 @@ def test_claims_facts_amendments_and_digitised_points_make_the_ledger(tmp_path):
         {"id": "C01", "fact": "falls", "agreeing": "silver", "disagreeing": ""}
     ]
     assert list(ledger["claim_amendments"].iloc[0]) == ["C01", "criteria", "a", "b", "c"]
-    ledger = judge(tables | {"digitised_residuals": residuals(BARRED)}, path)
-    for name in ("claims", "claim_results"):
-        assert set(ledger[name]["id"]) == {"C01", "D17-friction-0.15"}
-
-
-# Digitised points
-
-BARRED = {"n": 6, "bars": 6, "normalised_rms": 1.9, "rms_difference": 0.3}
-BARE = {"n": 6, "bars": 5, "normalised_rms": 9.0, "rms_difference": 0.04}
-FAR = {"rms_difference": 1.0}
-POINTS = DigitisedCriteria(normalised_rms=2.0, rms_difference={"fig17": 0.05}, reason="because")
-
-
-def residuals(*rows):
-    base = {
-        "figure": "fig17",
-        "panel": "friction",
-        "points": "0.15",
-        "points_evidence": "digitised",
-        "series": "a",
-        "named": True,
-        "evidence": "computed",
-        "unit": "1",
-        "n": 6,
-        "beyond": 0,
-        "bias": 0.01,
-        "within_bars": 0.9,
-        "rms_difference": 0.01,
-        "normalised_rms": 0.1,
-        "bars": 0,
-    }
-    return pd.DataFrame([base | row for row in rows], columns=list(base))
-
-
-UNNAMED = {"series": "b", "named": False}
-
-
-@pytest.mark.parametrize(
-    ("rows", "verdict"),
-    [
-        # bars decide if all points have one, else the bound of the figure
-        ([BARRED], "reproduced"),
-        ([BARRED | {"normalised_rms": 2.1}], "not reproduced"),
-        ([BARE], "reproduced"),
-        ([BARE | {"rms_difference": 0.06}], "not reproduced"),
-        # a series of the same name decides, whatever others do
-        ([BARE, BARE | UNNAMED | FAR], "reproduced"),
-        ([BARE | FAR, BARE | UNNAMED], "not reproduced"),
-        # without one, all are cases
-        ([BARE | {"named": False}, BARE | UNNAMED | FAR], "not identified"),
-        ([BARE | {"n": 0, "beyond": 6}], "not testable"),
-    ],
-)
-def test_digitised_points_are_judged(rows, verdict):
-    ((row,), _) = digitised_rows(POINTS, residuals(*rows))
-    has_bars = rows[0]["bars"] == rows[0]["n"]
-    assert row["verdict"] == verdict
-    bound = "normalised rms at most 2" if has_bars else "rms difference at most 0.05"
-    assert row["criterion"] == bound
-    assert (row["evidence"], row["figures"], row["unit"]) == ("digitised", "fig17", "-")
-    assert row["article_value"] == "6 points"
-
-
-def test_every_series_of_points_has_one_row_and_no_points_have_none():
-    second = BARE | {"points": "0.2", "beyond": 2}
-    rows, results = digitised_rows(POINTS, residuals(BARE, second, BARE | {"series": "b"}))
-    assert [row["id"] for row in rows] == ["D17-friction-0.15", "D17-friction-0.2"]
-    assert [row["article_value"] for row in rows] == ["6 points", "8 points"]
-    assert "2 points beyond" in rows[1]["note"]
-    assert [row["case"] for row in results if row["test"]] == ["a", "b", "a"]
-    assert digitised_rows(POINTS, residuals()) == ([], [])
-
-
-def test_a_figure_without_a_bound_is_named():
-    with pytest.raises(ValueError, match=r"digitised\.rms_difference: fig18 has no bound"):
-        digitised_rows(POINTS, residuals(BARE | {"figure": "fig18"}))
 
 
 # Facts found by others

@@ -12,7 +12,6 @@ from tests.shared import ROOT, settings_as_shipped
 
 from study.declared.documents import ConfigError
 from study.judge.criteria import ClaimsError, Criterion, read_claims
-from study.judge.digitised import read_digitised
 
 
 def holds(criterion, value):
@@ -25,6 +24,7 @@ REMOVED = object()
 
 GOOD = {
     "where": "3.1",
+    "quote": "about 0.70",
     "statement": "A restitution is about 0.70.",
     "kind": "model",
     "article_value": "0.70",
@@ -84,24 +84,20 @@ def doubled(node):
     return 2 * node if isinstance(node, int | float) else node
 
 
+# Identities and what a model assumes, which the ledger of equations has; C98 and C111 are findings
+# of this study, told in docs/experiments.md.
+NO_CLAIMS = {6, 15, 18, 20, 24, 26, 44, 49, 50, 93, 98, 108, 111}
+
+
 def test_every_claim_is_there_once_and_quotes_a_few_words_of_the_article():
     # YAML keeps the last of two equal keys without a word
     written = re.findall(r"(?m)^(C\d+):", SHIPPED.read_text(encoding="utf-8"))
-    assert written == list(CLAIMS) == [f"C{number:02d}" for number in range(1, 112)]
-    for claim in CLAIMS.values():
-        assert bool(claim.quote) == (claim.kind != "finding"), claim.id
-        assert len(claim.quote.split()) <= 15
+    numbers = [number for number in range(1, 112) if number not in NO_CLAIMS]
+    assert written == list(CLAIMS) == [f"C{number:02d}" for number in numbers]
+    assert all(len(claim.quote.split()) <= 15 for claim in CLAIMS.values())
 
 
-def test_identities_and_calibrated_claims_are_those_named_beforehand_or_by_an_amendment():
-    identities = {key for key, claim in CLAIMS.items() if claim.kind == "arithmetic"}
-    named = {"C06", "C18", "C20", "C24", "C26", "C44"}
-    later = {
-        key
-        for key, claim in CLAIMS.items()
-        if any(one.part == "kind" and one.now == "arithmetic" for one in claim.amendments)
-    }
-    assert identities == named | later
+def test_calibrated_claims_are_those_named_beforehand():
     # a number that fixed a parameter proves nothing
     fixed = "C05 C08 C28 C31 C33 C35 C36 C51 C52 C81 C86 C94 C96"
     assert all(CLAIMS[key].if_met == "calibrated" for key in fixed.split())
@@ -200,19 +196,3 @@ def test_an_amendment_says_what_the_claim_says_now():
         assert latest.get("statement", claim.statement).startswith(claim.statement)
         if claim.break_:
             assert latest.get("break", claim.break_.change).startswith(claim.break_.change)
-
-
-def test_the_bounds_of_digitised_points_are_checked(tmp_path):
-    path = tmp_path / "claims.yaml"
-    good = {"normalised_rms": 2.0, "rms_difference": {"fig04": 0.05}, "reason": "r"}
-    path.write_text(yaml.safe_dump({"digitised": good, "C01": changed()}), encoding="utf-8")
-    assert read_digitised(path).rms_difference == {"fig04": 0.05}
-    assert list(read_claims(path)) == ["C01"]
-    for key, value, message in (
-        ("normalised_rms", 0.0, r"^digitised\.normalised_rms: 0\.0 "),
-        ("rms_difference", {"fig26": 1.0}, r"^digitised\.rms_difference\.fig26"),
-        ("reason", "", r"^digitised\.reason: '' "),
-    ):
-        path.write_text(yaml.safe_dump({"digitised": good | {key: value}}), encoding="utf-8")
-        with pytest.raises(ClaimsError, match=message):
-            read_digitised(path)

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from tests.study.judge.test_claims import CLAIMS, claim, numbers, residuals
+from tests.study.judge.test_claims import CLAIMS, claim, numbers
 
 from study.judge import judge, verdicts
 from study.judge.judging import judged
@@ -134,7 +134,7 @@ def test_the_share_decides_in_the_ledger_and_the_cases_are_examples():
 def test_the_ledger_has_a_row_per_scenario(tmp_path):
     path = tmp_path / "claims.yaml"
     path.write_text(CLAIMS)
-    tables = {"claim_numbers": numbers(("C01", "", "e", 0.7)), "digitised_residuals": residuals()}
+    tables = {"claim_numbers": numbers(("C01", "", "e", 0.7))}
     draws = pd.concat([drawn([0.7, 0.7, 0.7, 0.1]), drawn([0.7], scenario="without")])
     tables |= {"claim_draws": draws, "posterior_contacts": contacts(4)}
     rows = judge(tables, path)["claim_shares"]

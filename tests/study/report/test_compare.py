@@ -1,12 +1,10 @@
-"""Two runs compared: inputs, numbers, verdicts and figures, as text and as a page."""
+"""Two runs compared: inputs, numbers, verdicts and figures."""
 
 from __future__ import annotations
 
-import base64
 import json
 
 import pytest
-from tests.study.report.pages import Page
 from tests.study.report.results_roots import (
     CLAIM_RESULTS,
     CLAIMS,
@@ -18,7 +16,7 @@ from tests.study.report.results_roots import (
     write,
 )
 
-from study.report.check.compare import as_text, compare, page
+from study.report.check.compare import compare
 
 
 @pytest.fixture
@@ -45,10 +43,8 @@ def told(differences):
 def test_a_run_is_the_same_as_itself_at_another_commit(baseline, tmp_path):
     changes = compare(baseline, results(tmp_path / "again", commit="def"))
     assert changes.same
-    assert changes.unchanged_figures == ["fig14"]
     assert told(changes.runs) == [("git commit", "value", "abc", "def")]
-    assert "are the same" in as_text(changes)
-    assert "are the same" in page(changes)
+    assert "are the same" in str(changes)
 
 
 def test_every_kind_of_change_is_named(baseline, changed):
@@ -60,10 +56,10 @@ def test_every_kind_of_change_is_named(baseline, changed):
     files = {"data/fig14.csv", "tables/claims.csv", "tables/claim_results.csv"}
     assert {d.file for d in changes.numbers} == files
     assert list(changes.figures) == ["fig14"]
-    text = as_text(changes)
+    text = str(changes)
     for title in ("Runs", "Inputs", "Verdicts", "Numbers", "Figures"):
-        assert f"\n## {title}\n" in text
-    assert "| baseline" in text
+        assert f"## {title}\n" in text
+    assert "- C01, verdict: reproduced (fall = 0.44) -> not reproduced (fall = 0.4)" in text
 
 
 def test_words_of_figures_and_criteria_are_named(baseline, tmp_path):
@@ -72,7 +68,7 @@ def test_words_of_figures_and_criteria_are_named(baseline, tmp_path):
     changes = compare(baseline, other)
     assert told(changes.inputs) == [("C01", "criterion", "at most 1", "at most 2")]
     assert told(changes.figures["fig14"]) == [("figure, title", "text", "Restitution", "Loss")]
-    assert "- fig14: 1 text (figure, title)" in as_text(changes)
+    assert "- fig14: 1 text (figure, title)" in str(changes)
 
 
 def configured(root, **config):
@@ -100,8 +96,8 @@ def test_changed_and_added_files_are_named(baseline, tmp_path):
     for root, sums in ((baseline, {"figures.yaml": "b" * 64}), (other, files)):
         (root / "run.json").write_text(json.dumps({"files": sums}))
     assert told(compare(baseline, other).inputs) == [
-        ("figures.yaml", "value", "b" * 12, "a" * 12),
-        ("digitised/fig04.csv", "value", "", "c" * 12),
+        ("figures.yaml", "value", "b" * 64, "a" * 64),
+        ("digitised/fig04.csv", "value", "", "c" * 64),
     ]
 
 
@@ -113,29 +109,13 @@ def test_a_run_without_some_files_is_told_in_one_line_and_is_the_same(baseline, 
     assert changes.same
     lacking = ["tables/claims.csv", "figures/fig20.csv", "figures/fig20.svg"]
     assert changes.not_built == {other: lacking}
-    for text in (as_text(changes), page(changes)):
-        assert f"3 files were not built in {other}." in text
-        assert "fig20" not in text
+    assert f"3 files were not built in {other}." in str(changes)
+    assert "fig20" not in str(changes)
     assert run("compare", other, baseline)[0] == 0
 
 
-def test_the_page_shows_both_figures_and_text_stays_text(baseline, tmp_path):
-    evil = "<script>alert(1)</script>"
-    changed = results(tmp_path / "b", inputs=INPUTS.replace("glass", evil), slope=0.5)
-    parsed = Page(page(compare(baseline, changed)))
-    drawn = [
-        base64.b64decode(picture["src"].removeprefix("data:image/svg+xml;base64,"), validate=True)
-        for picture in parsed.pictures
-    ]
-    assert drawn == [(root / "figures/fig14.svg").read_bytes() for root in (baseline, changed)]
-    assert evil in "".join(parsed.text)
-    assert "script" not in {tag for tag, _ in parsed.tags}
-
-
-def test_the_command_ends_with_one_where_something_differs(baseline, changed, tmp_path):
-    html = tmp_path / "page.html"
-    code, text, _ = run("compare", baseline, changed, "--html", html)
+def test_the_command_ends_with_one_where_something_differs(baseline, changed):
+    code, text, _ = run("compare", baseline, changed)
     assert code == 1
     assert "## Verdicts" in text
-    Page(html.read_text(encoding="utf-8"))
     assert run("compare", baseline, baseline)[0] == 0

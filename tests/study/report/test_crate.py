@@ -74,7 +74,7 @@ def entities(root):
 def test_the_crate_is_read_back_and_every_file_and_reference_is_there(root, entities):
     main = entities["./"]
     assert set(ids(main["conformsTo"])) == set(PROFILES)
-    assert entities[main["license"]["@id"]]["name"] == "MIT License"
+    assert main["license"]["@id"] == "crate/LICENSE"
     crate = ROCrate(root)
     assert (crate.version, crate.mainEntity.lang.name) == ("1.1", "Snakemake")
     files = {name for name, entity in entities.items() if "File" in entity["@type"]}
@@ -95,24 +95,13 @@ def test_the_run_leads_from_the_workflow_and_declared_inputs_to_all_results(root
     main = entities[entities["./"]["mainEntity"]["@id"]]
     assert main["@id"] == "crate/Snakefile"
     assert ids(main["hasPart"]) == [f"crate/{name}" for name in PARTS]
-    software = [entities[name] for name in ids(main["softwareRequirements"])]
-    versions = {name: version for name, version in STAMP["packages"].items() if version}
-    assert {item["name"]: item["softwareVersion"] for item in software} == versions
     (action,) = (entity for entity in entities.values() if entity["@type"] == "CreateAction")
     assert action["@id"] in ids(entities["./"]["mentions"])
     assert ids(action["instrument"]) == [main["@id"]]
-    assert [entities[name]["alternateName"] for name in ids(action["object"])] == list(INPUTS)
+    assert [entities[name]["name"] for name in ids(action["object"])] == list(INPUTS)
     made = (path for name in ("tables", "data", "figures") for path in (root / name).iterdir())
     assert set(ids(action["result"])) == {path.relative_to(root).as_posix() for path in made}
     assert (action["startTime"], action["endTime"]) == (STAMP["started"], STAMP["ended"])
-
-
-def test_every_claim_has_a_review_with_its_verdict(entities):
-    review = entities["#C02"]
-    assert (review["@type"], review["claimReviewed"]) == ("ClaimReview", "sticks")
-    assert entities[review["reviewRating"]["@id"]]["alternateName"] == "not reproduced"
-    assert review["isBasedOn"]["@id"] in entities
-    assert {"#C01", "#C02"} <= set(ids(entities["./"]["mentions"]))
 
 
 def test_the_same_run_gives_the_same_bytes_and_no_leftovers(tmp_path):
@@ -126,7 +115,7 @@ def test_the_same_run_gives_the_same_bytes_and_no_leftovers(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"ended": "today"}, "ended: 'today' must be a valid datetime"),
+        ({"git": None}, "run.json: has no git"),
         ({"ended": None}, "the run has not ended well"),
         ({"outdated": ["data/fig14.csv"]}, "from other inputs: data/fig14.csv;"),
         ({"config": {"materials": "/etc/hostname"}}, "materials: '/etc/hostname' must be"),

@@ -21,12 +21,9 @@ from study.contacts import (
 )
 from study.declared.parameters import AboveOne, CaseName, Fraction
 from study.tables import (
-    POINTS,
     NotComputedError,
     Row,
     Tables,
-    points_parts,
-    points_series,
     series_frame,
 )
 
@@ -80,15 +77,13 @@ class Params:
 
 
 def run(params: Params, inputs: Tables) -> Tables:
-    """Simulate and fit every case, and fit the user's points of a series that is named as a case.
+    """Simulate and fit every case.
 
     ``fig15``, ``fig16``: e against speed in m/s, the simulation, its fit with q free, and the
-    printed capture velocity. ``restitution_fits``: per case the fits with q free and fixed, those
-    of these points last; where these cannot be fitted, ``note`` says why.
+    printed capture velocity. ``restitution_fits``: per case the fits with q free and fixed.
     """
     frames: dict[str, list[pd.DataFrame]] = {"fig15": [], "fig16": []}
     rows: list[Row] = []
-    later: list[Row] = []
     for name, case in params.cases.items():
         try:
             contact = calibrated_contact(inputs, name)
@@ -103,12 +98,8 @@ def run(params: Params, inputs: Tables) -> Tables:
         largest = max(LARGEST_SPEED, case.fitted_to * limit)
         speed = _speeds(DRAWN_FROM * limit, limit, largest, CURVE_POINTS)
         e = simulate(contact, speed).coefficient_of_restitution
-        digitised_rows, curves = _digitised_fits(
-            name, case.figure, params, inputs.get("digitised"), known
-        )
-        later += digitised_rows
         figure_frames = frames[case.figure]
-        figure_frames += [_frame(f"{name}, simulation", speed, e, evidence), *curves]
+        figure_frames.append(_frame(f"{name}, simulation", speed, e, evidence))
         if not case.fitted:
             continue
         sampled = np.geomspace(params.fitted_from, case.fitted_to, FITTED_POINTS) * limit
@@ -122,40 +113,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         if np.isfinite(printed) and not any(mark.equals(frame) for frame in figure_frames):
             figure_frames.append(mark)
     tables = {figure: pd.concat(parts, ignore_index=True) for figure, parts in frames.items()}
-    return tables | {"restitution_fits": pd.DataFrame(rows + later)}
-
-
-def _digitised_fits(
-    case: str, figure: str, params: Params, points: pd.DataFrame | None, known: Row
-) -> tuple[list[Row], list[pd.DataFrame]]:
-    """Rows of the fits to the user's points of a case, and the curve of that with q free."""
-    if points is None:
-        return [], []
-    names = [points_series(evidence, case) for evidence in POINTS]
-    is_own = (points["figure"] == figure) & points["series"].isin(names)
-    evidence = [points_parts(str(name))[0] for name in points.loc[is_own, "series"].unique()]
-    v, e = (points.loc[is_own, name].to_numpy(float) for name in ("x", "y"))
-    rows: list[Row] = []
-    curves: list[pd.DataFrame] = []
-    for exponent, q in (("free", None), ("fixed", params.fixed_exponent)) if v.size else ():
-        row: Row = {"case": case, "exponent": exponent, "evidence": evidence[0]}
-        try:
-            fit = fit_restitution(v, e, q=q)
-        except ValueError as error:  # too few points, or what is no coefficient of restitution
-            row |= known | {"note": f"not fitted: {error}"}
-        else:
-            row = _row(case, known, evidence[0], fit) | row
-            if q is None:
-                curves.append(_fitted_curve(case, fit, CURVE_POINTS))
-        rows.append(row)
-    return rows, curves
-
-
-def _fitted_curve(case: str, fit: RestitutionFit, points: int) -> pd.DataFrame:
-    start = DRAWN_FROM * max(fit.v_c, 0.5 * float(fit.v.min()))
-    speed = _speeds(start, fit.v_c, float(fit.v.max()), points)
-    series = f"{case}, fit of points"
-    return _frame(series, speed, fit.curve(speed))
+    return tables | {"restitution_fits": pd.DataFrame(rows)}
 
 
 def _speeds(start: float, v_c: float, end: float, points: int) -> FloatArray:
@@ -181,5 +139,4 @@ def _row(case: str, known: Row, evidence: str, fit: RestitutionFit) -> Row:
         "r_squared": fit.r_squared,
         "on_bound": " ".join(fit.on_bound),
         "evidence": evidence,
-        "note": "",
     }

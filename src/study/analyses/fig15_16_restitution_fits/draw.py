@@ -27,9 +27,6 @@ PAIRS = {
     "fluorescein-molybdenum, greatest, simulation": Series(
         "ends of its two force ratios", 4, line="dashdot"
     ),
-    "fluorescein-molybdenum, nominal, fit of points": Series(
-        "fit of the points", 1, line="dashdot"
-    ),
     "polystyrene-latex-fused-silica, simulation": Series(
         "[[polystyrene-latex-fused-silica.pair]]", 0
     ),
@@ -37,7 +34,6 @@ PAIRS = {
         "fit by Eq. 34, [[polystyrene-latex-fused-silica.surface]]", 0, line="dashed"
     ),
     "printed, 0.967 m/s": Series("printed $v_c$ = 0.967 m/s", 6),
-    "polystyrene-latex-fused-silica, fit of points": Series("fit of the points", 0, line="dashdot"),
     "ammonium-fluorescein-mica, simulation": Series(
         "[[ammonium-fluorescein-mica.pair]]", 2, line="long dashed"
     ),
@@ -45,15 +41,12 @@ PAIRS = {
         "fit by Eq. 34, [[ammonium-fluorescein-mica.surface]]", 2, line="loose dashed"
     ),
     "printed, 1.1 m/s": Series("printed $v_c$ = 1.10 m/s", 6),
-    "ammonium-fluorescein-mica, fit of points": Series("fit of the points", 2, line="dashdot"),
 }
 STEEL = {
     "steel-silicon, n = 0, simulation": Series("$n$ = 0, simulated", 0),
     "steel-silicon, n = 0, fit": Series("$n$ = 0, fit by Eq. 34", 0, line="dashed"),
-    "steel-silicon, n = 0, fit of points": Series("$n$ = 0, fit of the points", 0, line="dashdot"),
     "steel-silicon, n = 1, simulation": Series("$n$ = 1, simulated", 1, line="dashdotdot"),
     "steel-silicon, n = 1, fit": Series("$n$ = 1, fit by Eq. 34", 1, line="dotted"),
-    "steel-silicon, n = 1, fit of points": Series("$n$ = 1, fit of the points", 1, line="dashdot"),
     "printed, 0.18 m/s": Series("printed $v_c$ = 0.18 m/s, met by calibration", 6),
 }
 

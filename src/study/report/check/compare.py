@@ -1,8 +1,7 @@
-"""Comparison of two runs, as text or as a page: inputs, numbers, verdicts, figures."""
+"""Comparison of two runs: inputs, numbers, verdicts, figures."""
 
 from __future__ import annotations
 
-import base64
 import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -13,12 +12,10 @@ from typing import Any
 from study.report.check.differences import (
     FEW,
     Difference,
+    as_text,
     by_file,
-    cells,
     compare_tables,
-    markdown,
     summary,
-    worst,
 )
 from study.report.check.results import (
     CLAIMS,
@@ -29,23 +26,15 @@ from study.report.check.results import (
     require_results,
     table_files,
 )
-from study.report.site.pages import render
 from study.run.stamp import STAMP
 from study.run.stamp import changes as configured
 
-SIDES = ("baseline", "changed")
-SAME = "Inputs, numbers, verdicts and figures are the same."
-UNSEEN = "same parts, slightly moved"
-# Columns of the ledger of claims that are declared, not computed.
-DECLARED = ("quote", "statement", "criterion", "article_value")
-# Column that repeats the changed inputs, claim by claim.
-MARKED = "changed_inputs"
+# Topic of a column of the ledger of claims; the others are numbers. A claim that only one run has
+# judged, without a column, is a change of verdict; the last repeats inputs, claim by claim.
+OF_CLAIMS = dict.fromkeys(("quote", "statement", "criterion", "article_value"), "inputs")
+OF_CLAIMS |= {"verdict": "verdicts", "": "verdicts", "changed_inputs": "uses"}
 # Numbers behind a verdict: the shares of the contacts that meet it, and its quantities.
 BEHIND = {"tables/claim_shares.csv": "share", "tables/claim_results.csv": "value"}
-# Digits of a checksum that are shown.
-SHORT = 12
-# Characters of a cell in the page.
-WIDTH = 120
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,14 +46,11 @@ class Changes:
     differ, none if the picture alone does.
     """
 
-    baseline: Path
-    changed: Path
     runs: Sequence[Difference]
     inputs: Sequence[Difference]
     verdicts: Sequence[Difference]
     numbers: Sequence[Difference]
     figures: Mapping[str, Sequence[Difference]]
-    unchanged_figures: Sequence[str]
     not_built: Mapping[Path, Sequence[str]]
 
     @property
@@ -72,15 +58,21 @@ class Changes:
         """Whether both runs gave the same."""
         return not (self.inputs or self.verdicts or self.numbers or self.figures)
 
-    @property
-    def sections(self) -> list[tuple[str, Sequence[Difference], int]]:
-        """Title, differences and how many are shown; inputs and verdicts are shown all."""
-        return [
-            ("Runs", self.runs, len(self.runs)),
-            ("Inputs", self.inputs, len(self.inputs)),
-            ("Verdicts", self.verdicts, len(self.verdicts)),
-            ("Numbers", self.numbers, FEW),
-        ]
+    def __str__(self) -> str:
+        """Return the changes as Markdown; inputs and verdicts are shown all."""
+        parts = [f"{len(n)} files were not built in {root}." for root, n in self.not_built.items()]
+        if self.same:
+            parts.append("Inputs, numbers, verdicts and figures are the same.")
+        for title in ("runs", "inputs", "verdicts", "numbers"):
+            if differences := getattr(self, title):
+                few = FEW if title == "numbers" else len(differences)
+                parts += [f"## {title.capitalize()}", as_text(differences, few)]
+        if self.figures:
+            lines = [
+                f"- {name}: {_parts(differences)}" for name, differences in self.figures.items()
+            ]
+            parts += ["## Figures", "\n".join(lines)]
+        return "\n\n".join(parts)
 
 
 def compare(baseline: Path, changed: Path) -> Changes:
@@ -88,51 +80,43 @@ def compare(baseline: Path, changed: Path) -> Changes:
 
     Raises ResultsError if either folder or a file in it is missing or malformed.
     """
-    for root in (baseline, changed):
+    roots = baseline, changed
+    for root in roots:
         require_results(root)
-    stamps = [read_json(root / STAMP) for root in (baseline, changed)]
-    before, after = _files(baseline), _files(changed)
+    stamps = [read_json(root / STAMP) for root in roots]
+    before, after = (table_files(root) | _pictures(root) for root in roots)
     topics = defaultdict[str, list[Difference]](list)
     for name in table_files(baseline):
         if name in after:
-            left, right = read_cells(before[name]), read_cells(after[name])
-            for difference in compare_tables(name, left, right):
+            for difference in compare_tables(
+                name, read_cells(before[name]), read_cells(after[name])
+            ):
                 topics[_topic(difference)].append(difference)
-    parts = by_file(topics["figures"])
-    pictures = [name for name in figure_files(baseline) if _svg(name) in after]
-    figures = {
-        name: parts.get(f"figures/{name}.csv", [])
-        for name in pictures
-        if f"figures/{name}.csv" in parts
-        or before[_svg(name)].read_bytes() != after[_svg(name)].read_bytes()
-    }
+    numbers, parts = topics["numbers"], by_file(topics["figures"])
+    drawn = [name for name in _pictures(baseline) if name in after]
+    drawn = [n for n in drawn if before[n].read_bytes() != after[n].read_bytes()]
+    figures = dict.fromkeys([Path(name).stem for name in (*parts, *drawn)])
+    settings = [stamp.get("config", {}) for stamp in stamps]
+    keys = [
+        _line(change.key, change.shipped, change.used) for change in configured(*settings[::-1])
+    ]
+    pairs = (baseline, before, after), (changed, after, before)
     return Changes(
-        baseline=baseline,
-        changed=changed,
         runs=_lines(*map(_origin, stamps)),
-        inputs=[
-            *_configured(*stamps),
-            *topics["inputs"],
-            *_lines(*map(_files_used, stamps)),
-        ],
-        verdicts=[_with_numbers(verdict, topics["numbers"]) for verdict in topics["verdicts"]],
-        numbers=topics["numbers"],
-        figures=figures,
-        unchanged_figures=[name for name in pictures if name not in figures],
+        inputs=[*keys, *topics["inputs"], *_lines(*(stamp.get("files", {}) for stamp in stamps))],
+        verdicts=[_with_numbers(verdict, numbers) for verdict in topics["verdicts"]],
+        numbers=numbers,
+        figures={name: parts.get(f"figures/{name}.csv", []) for name in figures},
         not_built={
             root: lacking
-            for root, here, there in ((baseline, before, after), (changed, after, before))
+            for root, here, there in pairs
             if (lacking := [name for name in there if name not in here])
         },
     )
 
 
-def _svg(figure: str) -> str:
-    return f"figures/{figure}.svg"
-
-
-def _files(root: Path) -> dict[str, Path]:
-    return table_files(root) | {_svg(name): path for name, path in figure_files(root).items()}
+def _pictures(root: Path) -> dict[str, Path]:
+    return {f"figures/{name}.svg": path for name, path in figure_files(root).items()}
 
 
 def _topic(difference: Difference) -> str:
@@ -141,27 +125,20 @@ def _topic(difference: Difference) -> str:
     if difference.file == INPUTS:
         # The stamp tells the values of the configuration, each once, however often it is used.
         return "uses" if difference.row.startswith("config, ") else "inputs"
-    if difference.file == CLAIMS:
-        # A claim that only one run has judged, without a column, is a change of verdict, too.
-        if difference.column in {"verdict", ""}:
-            return "verdicts"
-        declared = dict.fromkeys(DECLARED, "inputs") | {MARKED: "uses"}
-        return declared.get(difference.column, "numbers")
-    return "numbers"
+    return OF_CLAIMS.get(difference.column, "numbers") if difference.file == CLAIMS else "numbers"
 
 
 def _with_numbers(verdict: Difference, numbers: Sequence[Difference]) -> Difference:
     """Return a changed verdict with the shares and numbers that moved in brackets."""
     moved = [
-        (", ".join(filter(None, number.row.split(", ")[1:])), number.reference, number.result)
+        (", ".join(filter(None, number.row.split(", ")[1:])), number)
         for number in numbers
         if BEHIND.get(number.file) == number.column and number.row.startswith(f"{verdict.row}, ")
     ]
     if verdict.column != "verdict" or not moved:
         return verdict
-    before, after = (
-        "; ".join(f"{number[0]} = {number[side]}" for number in moved) for side in (1, 2)
-    )
+    before = "; ".join(f"{name} = {number.reference}" for name, number in moved)
+    after = "; ".join(f"{name} = {number.result}" for name, number in moved)
     return replace(
         verdict,
         reference=f"{verdict.reference} ({before})",
@@ -176,16 +153,6 @@ def _origin(stamp: Mapping[str, Any]) -> dict[str, Any]:
     return {**git, **machine, **stamp.get("packages", {})}
 
 
-def _files_used(stamp: Mapping[str, Any]) -> dict[str, str]:
-    """Return the checksums of the declared files."""
-    return {name: text[:SHORT] for name, text in stamp.get("files", {}).items()}
-
-
-def _configured(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[Difference]:
-    changes = configured(after.get("config", {}), before.get("config", {}))
-    return [_line(change.key, change.shipped, change.used) for change in changes]
-
-
 def _lines(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[Difference]:
     """Return a difference per entry that two mappings do not share."""
     pairs = {name: (before.get(name), after.get(name)) for name in (*before, *after)}
@@ -193,66 +160,18 @@ def _lines(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[Differen
 
 
 def _line(row: str, *values: object) -> Difference:
-    before, after = (
+    reference, result = (
         value if isinstance(value, str) else "" if value is None else json.dumps(value)
         for value in values
     )
     return Difference(
-        file=STAMP, kind="text", row=row, column="value", reference=before, result=after
+        file=STAMP, kind="text", row=row, column="value", reference=reference, result=result
     )
 
 
-def as_text(changes: Changes) -> str:
-    """Return the changes as Markdown."""
-    parts = [f"# {changes.baseline} (baseline) and {changes.changed} (changed)"]
-    parts += [f"{len(n)} files were not built in {root}." for root, n in changes.not_built.items()]
-    if changes.same:
-        parts.append(SAME)
-    for title, differences, shown in changes.sections:
-        if differences:
-            parts += [f"## {title}", markdown(differences, shown, names=SIDES)]
-    if changes.figures:
-        lines = [f"- {name}: {_words(figure)}" for name, figure in changes.figures.items()]
-        parts += ["## Figures", "\n".join(lines)]
-    return "\n\n".join(parts)
-
-
-def _words(figure: Sequence[Difference]) -> str:
+def _parts(figure: Sequence[Difference]) -> str:
     """Return the counts of the parts of a figure that differ, and the names of the first."""
     names = list(dict.fromkeys(part.row for part in figure))
     more = ", ..." if len(names) > FEW else ""
-    return f"{summary(figure)} ({', '.join(names[:FEW])}{more})" if names else UNSEEN
-
-
-def page(changes: Changes) -> str:
-    """Return the changes as one HTML page that needs nothing else, figures side by side."""
-
-    def rows(differences: Sequence[Difference], shown: int) -> list[tuple[str, ...]]:
-        return [cells(difference, WIDTH) for difference in worst(differences, shown)]
-
-    return render(
-        "compare.html",
-        templates=Path(__file__).parent / "templates",
-        changes=changes,
-        sides=SIDES,
-        same=SAME,
-        sections=[
-            (
-                title,
-                [
-                    (file, summary(d), rows(d, shown), len(d))
-                    for file, d in by_file(members).items()
-                ],
-            )
-            for title, members, shown in changes.sections
-            if members
-        ],
-        figures={name: _words(figure) for name, figure in changes.figures.items()},
-        inline=_inline,
-    )
-
-
-def _inline(root: Path, figure: str) -> str:
-    # As an image, and not as part of the page: no script in it runs, no name in it clashes.
-    picture = base64.b64encode((root / _svg(figure)).read_bytes()).decode("ascii")
-    return f"data:image/svg+xml;base64,{picture}"
+    listed = f"{summary(figure)} ({', '.join(names[:FEW])}{more})"
+    return listed if names else "same parts, slightly moved"

@@ -40,25 +40,17 @@ class ResultsError(ValueError):
     """Results that cannot be compared: not there, or not of the agreed form."""
 
 
-def require_results(root: Path, *needed: str) -> None:
-    """Refuse a folder that is missing, that no run has written, or that lacks needed files.
-
-    Raises ResultsError, naming the folder.
-    """
+def require_results(root: Path) -> None:
+    """Raise ResultsError, naming the folder, if it is missing or no run has written it."""
     if not root.is_dir():
         raise ResultsError(f"{root}: no such folder")
     if not table_files(root) and not figure_files(root):
         folders = ", ".join(f"{name}/" for name in TABLE_FOLDERS)
         raise ResultsError(f"{root}: not a results folder: no files in {folders}")
-    if missing := [name for name in needed if not (root / name).is_file()]:
-        raise ResultsError(f"{root}: has no {', '.join(missing)}: build them with `snakemake`")
 
 
 def require_current(path: Path, stamp: Mapping[str, Any]) -> None:
-    """Refuse a run stamp that tells of results made earlier, from other inputs.
-
-    Raises ResultsError, naming some of these results.
-    """
+    """Raise ResultsError, naming some, if a run stamp tells of results from other inputs."""
     if outdated := stamp.get("outdated"):
         names = ", ".join(outdated[:3]) + (", ..." if len(outdated) > 3 else "")
         raise ResultsError(

@@ -7,13 +7,10 @@ CSV, and ``tolerances.yaml``. Nothing is thinned: every number is compared.
 from __future__ import annotations
 
 import gzip
-import io
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
-
-import pandas as pd
 
 from microimpact.core.files import write_file
 from study.declared.documents import load
@@ -29,14 +26,10 @@ from study.report.check.results import (
 )
 
 FILE = "tolerances.yaml"
-
-# Far below the tolerance, and a third less to store; the noise of the last digits of another
-# machine stays out of the history.
+# Digits kept: far below the tolerance, so that another machine leaves the history alone.
 DIGITS = 12
-
 # More changed inputs than these are other settings.
 FEW_CHANGES = 20
-
 # Larger tables, long curves and images, are read by nobody and kept compressed.
 PLAIN_BYTES = 100_000
 
@@ -54,34 +47,27 @@ class ColumnTolerance(Tolerance):
 class Tolerances:
     """All tolerances; of several for one column the first counts."""
 
-    default: Tolerance = field(default_factory=Tolerance)
     columns: tuple[ColumnTolerance, ...] = ()
 
     def of(self, file: str) -> Callable[[str], Tolerance]:
         """Return the tolerance of each column of a table, by the column's name."""
         rules = [rule for rule in self.columns if fnmatchcase(file, rule.file)]
         return lambda column: next(
-            (rule for rule in rules if fnmatchcase(column, rule.column)), self.default
+            (rule for rule in rules if fnmatchcase(column, rule.column)), Tolerance()
         )
-
-
-def read_tolerances(path: Path) -> Tolerances:
-    """Read the file of tolerances; without one, the default counts everywhere.
-
-    Raises ResultsError: one line per problem, with the dotted key.
-    """
-    return built(Tolerances, load(path), str(path)) if path.exists() else Tolerances()
 
 
 def verify(results: Path, reference: Path) -> list[Difference]:
     """Return all differences of results from their references, in both directions.
 
-    Raises ResultsError if either folder or a file in it is missing or malformed.
+    Raises ResultsError if either folder or a file in it is missing or malformed, or a tolerance
+    fits no column of any reference.
     """
     require_results(results)
     if not reference.is_dir():
         raise ResultsError(f"{reference}: no such folder")
-    tolerances = read_tolerances(reference / FILE)
+    path = reference / FILE
+    tolerances = built(Tolerances, load(path), str(path)) if path.exists() else Tolerances()
     before, after = table_files(reference), table_files(results)
     differences = [
         *(Difference(file=name, kind="missing file") for name in before if name not in after),
@@ -95,8 +81,7 @@ def verify(results: Path, reference: Path) -> list[Difference]:
             differences += compare_tables(name, table, read_cells(after[name]), tolerances.of(name))
     for rule in tolerances.columns:  # one that fits nothing has outlived its reason
         if not any(fnmatchcase(n, rule.file) and fnmatchcase(c, rule.column) for n, c in seen):
-            column = f"a column {rule.column!r} in {rule.file!r}"
-            raise ResultsError(f"{reference / FILE}: no table has {column}")
+            raise ResultsError(f"{path}: no table has a column {rule.column!r} in {rule.file!r}")
     return differences
 
 
@@ -106,11 +91,8 @@ def require_same_settings(differences: Sequence[Difference]) -> None:
     A few changed inputs are differences to report; a full run beside the references of a small one
     differs everywhere. Raises ResultsError, naming one of the inputs that differ and their number.
     """
-    changed = [
-        d
-        for d in differences
-        if d.file == INPUTS and d.column == "value" and d.row.startswith("config, ")
-    ]
+    changed = [d for d in differences if (d.file, d.column) == (INPUTS, "value")]
+    changed = [d for d in changed if d.row.startswith("config, ")]
     if len(changed) > FEW_CHANGES:
         first = changed[0]
         raise ResultsError(
@@ -125,15 +107,8 @@ def renew(
 ) -> list[Path]:
     """Write the references that differ anew; those within tolerance stay as they are.
 
-    Parameters
-    ----------
-    remove
-        Whether references of files that the results lack are removed.
-
-    Raises
-    ------
-    ResultsError
-        If results are missing and `remove` is not set; then nothing is written.
+    `remove` drops references of files that the results lack; without it they raise ResultsError,
+    and nothing is written.
     """
     missing = [d.file for d in differences if d.kind == "missing file"]
     if missing and not remove:
@@ -142,27 +117,20 @@ def renew(
             f"({', '.join(missing[:3])}{', ...' if len(missing) > 3 else ''}); "
             "build everything, or give --remove to drop these references"
         )
-    tables = table_files(results)
-    changed = []
+    tables, changed = table_files(results), list[Path]()
     for name in dict.fromkeys(d.file for d in differences):
-        plain, packed = reference / name, reference / f"{name}.gz"
-        changed += [path for path in (plain, packed) if path.exists()]
-        for path in (plain, packed):
-            path.unlink(missing_ok=True)
+        old = [p for p in (reference / name, reference / f"{name}.gz") if p.exists()]
+        for path in old:
+            path.unlink()
+        changed += old
         if name in tables:
-            text = _stored(read_cells(tables[name]))
+            cells = read_cells(tables[name]).map(_rounded)
+            text = cells.to_csv(index=False, lineterminator="\n").encode()
+            is_large = len(text) > PLAIN_BYTES
+            changed.append(reference / (f"{name}.gz" if is_large else name))
             # Without a date in it, equal tables give equal bytes.
-            is_small = len(text) <= PLAIN_BYTES
-            changed.append(plain if is_small else packed)
-            write_file(changed[-1], text if is_small else gzip.compress(text, mtime=0))
+            write_file(changed[-1], gzip.compress(text, mtime=0) if is_large else text)
     return list(dict.fromkeys(changed))
-
-
-def _stored(table: pd.DataFrame) -> bytes:
-    """Return a table as CSV, its numbers rounded to `DIGITS` digits."""
-    buffer = io.StringIO()
-    table.map(_rounded).to_csv(buffer, index=False, lineterminator="\n")
-    return buffer.getvalue().encode()
 
 
 def _rounded(cell: str) -> str:

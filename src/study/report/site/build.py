@@ -14,8 +14,9 @@ from typing import Any
 from microimpact.core.files import write_file
 from study.figures.declaration import FORMATS
 from study.judge import words
+from study.judge.counts import revisions
 from study.report.site import PAGES, ledgers
-from study.report.site.exports import chains_json, claims_json, datapackage, schema_json
+from study.report.site.exports import claims_json, schema_json
 from study.report.site.figures import Figure, departures, figures, label, studies_behind
 from study.report.site.formula import prose
 from study.report.site.glossary import definitions
@@ -161,13 +162,14 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "equations": equations,
         "beside": {name: read_rows(results / f"tables/{name}.csv") for name in BESIDE},
         "errata": errata,
-        "claim_counts": ledgers.counts(ledgers.counted(claims), ledgers.CLAIM_VERDICTS),
+        "revised": revisions(read_rows(results / "tables/claim_amendments.csv")),
+        "claim_counts": ledgers.tally(claims, ledgers.CLAIM_VERDICTS),
         **{
             name: ledgers.by_claim(read_rows(results / f"tables/claim_{table}.csv"))
             for name, table in PARTS_OF_CLAIMS.items()
         },
         "words": words,
-        "equation_counts": ledgers.counts(equations, ledgers.EQUATION_VERDICTS),
+        "equation_counts": ledgers.tally(equations, ledgers.EQUATION_VERDICTS),
         "shown": shown,
         "first_claims": FIRST_CLAIMS,
         "first": [by_name[name] for name in FIRST if name in by_name] or shown[: len(FIRST)],
@@ -195,12 +197,8 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     return (
         pages
         | {
-            "files/datapackage.json": datapackage(results, tables),
             "files/claims.json": claims_json(claims, *parts, commit),
             "files/claims.schema.json": schema_json(),
-            "files/replication_chains.jsonld": chains_json(
-                (row for row in claims if row["id"] in FIRST_CLAIMS), commit
-            ),
         }
         | _figure_pages(shown, common)
         | {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -12,7 +12,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from study.judge.changed import OF_ANOTHER
-from study.judge.criteria import UNCOUNTED
+from study.judge.counts import verdicts
 from study.judge.words import (
     bounds,
     drawn_share,
@@ -56,20 +56,15 @@ def read_rows(path: Path) -> list[Row]:
         return list(csv.DictReader(stream))
 
 
-def counts(rows: Sequence[Row], verdicts: Mapping[str, str]) -> dict[str, int]:
+def tally(rows: Sequence[Row], order: Mapping[str, str]) -> dict[str, int]:
     """Count the rows of each verdict that occurs; those that are not foreseen come last."""
-    judged = Counter(row["verdict"] for row in rows)
-    return {v: judged[v] for v in dict.fromkeys((*verdicts, *sorted(judged))) if judged[v]}
-
-
-def counted(claims: Sequence[Row]) -> list[Row]:
-    """Return the claims that a computation can decide; others are listed and not counted."""
-    return [row for row in claims if row["kind"] not in UNCOUNTED]
+    judged = verdicts(row["verdict"] for row in rows)
+    return {v: judged[v] for v in dict.fromkeys((*order, *sorted(judged))) if v in judged}
 
 
 def not_reproduced(claims: Sequence[Row]) -> list[Row]:
     """Return the claims that did not hold: contradictions first, then by figures touched."""
-    failed = [row for row in counted(claims) if row["verdict"] == "not reproduced"]
+    failed = [row for row in claims if row["verdict"] == "not reproduced"]
     return sorted(failed, key=lambda r: (r["kind"] != CONTRADICTION, -len(r["figures"].split())))
 
 
