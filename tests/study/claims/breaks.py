@@ -28,7 +28,7 @@ from study.analyses.fig24_25_doe.factors import realistic_levels
 from study.analyses.mechanisms import compute as mechanisms
 from study.analyses.mechanisms import spore as spore_mechanism
 from study.analyses.mechanisms.shallow import adhesion_or_roughness, shallow_curves
-from study.claims import designs, dynamics, oblique, rigid_body, roughness
+from study.claims import designs, dynamics, oblique, rigid_body
 from study.contacts import DRAWN, calibrated_contact
 from study.declared.documents import load
 from study.declared.parameters import build
@@ -128,12 +128,6 @@ minus_in_eq_35 = partial(patched, measured_restitution=partial(measured_restitut
 
 def earlier_work_of_adhesion(v_n, R, rho):
     return np.square(v_n) * np.square(R) * rho * (1.0 - rho) / 2.0
-
-
-def reversed_limit(contact, speed, spin):
-        return plain(contact, speed, -spin)
-
-    return patched(claim, world, oblique, rolling_limit=reversed_limit)
 
 
 def effect_mixed_with_bd(claim, world):
