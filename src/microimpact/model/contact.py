@@ -209,42 +209,41 @@ class Contact(Readable):
         for name in ("particle", "surface"):
             if not isinstance(getattr(self, name), Material):
                 raise TypeError(f"{name} must be a Material, got {getattr(self, name)!r}")
-        adhesion_input = self._choose_adhesion()
+        self._choose_adhesion()
         if not isinstance(self.damped_attachment, bool):
             raise TypeError(
                 f"damped_attachment must be True or False, got {self.damped_attachment!r}"
             )
         choice("stiffness_model", self.stiffness_model, STIFFNESS_MODELS)
         self._set("law", contact_law(self.law))
-        self._check_numbers(adhesion_input)
+        self._check_numbers()
         if self.law is not None:
-            self._check_law(self.law, adhesion_input)
+            self._check_law(self.law)
         self._resolve_adhesion()
         warn_caller(self, depth=3)
 
-    def _choose_adhesion(self) -> str:
-        """Return which adhesion is given: of both, as `dataclasses.replace` passes on, the new one.
+    def _choose_adhesion(self) -> None:
+        """Keep the adhesion that is given; of both, which `dataclasses.replace` gives, the new one.
 
         Raises ValueError if that is neither, or both.
         """
         values = {name: getattr(self, name) for name in ADHESIONS}
-        given = [name for name, value in values.items() if value is not None]
-        if len(given) > 1 and self._passed_on:
+        inputs = [name for name, value in values.items() if value is not None]
+        if len(inputs) > 1 and self._passed_on:
             before = dict(self._passed_on)
-            changed = [name for name in given if values[name] is not before[name]]
-            given = changed or [self._passed_on[0][0]]
-        if len(given) != 1:
-            number = "both" if given else "neither"
+            changed = [name for name in inputs if values[name] is not before[name]]
+            inputs = changed or [self._passed_on[0][0]]
+        if len(inputs) != 1:
+            number = "both" if inputs else "neither"
             raise ValueError(f"give either {' or '.join(ADHESIONS)}, got {number}")
         for name in ADHESIONS:
-            self._set(name, values[name] if name == given[0] else None)
-        self._set("adhesion_input", given[0])
-        return given[0]
+            self._set(name, values[name] if name == inputs[0] else None)
+        self._set("adhesion_input", inputs[0])
 
-    def _check_law(self, law: ContactLaw, adhesion_input: str) -> None:
+    def _check_law(self, law: ContactLaw) -> None:
         """Refuse parameters of the ring force, and works of adhesion that would gain energy."""
         foreign = {
-            "ring_force": adhesion_input == "ring_force",
+            "ring_force": self.adhesion_input == "ring_force",
             "stiffness_model": self.stiffness_model != "hertz",
             "damped_attachment": self.damped_attachment,
         } | {
@@ -276,9 +275,9 @@ class Contact(Readable):
         scales = (self.mass, self.velocity_scale, hertz, self.equilibrium_compression)
         self._set("scales", scales if self.shape else tuple(map(float, scales)))
 
-    def _check_numbers(self, adhesion_input: str) -> None:
+    def _check_numbers(self) -> None:
         self._check("diameter", POSITIVE)
-        for name in (adhesion_input, *LOSSES):
+        for name in (self.adhesion_input, *LOSSES):
             self._check(name, NON_NEGATIVE)
         if self.reference_velocity is not None:
             self._check("reference_velocity", POSITIVE)
@@ -424,10 +423,9 @@ class Contact(Readable):
     @property
     def hertz_radius(self) -> Real:
         """Effective radius r of Eq. (22), m; the sphere's on a plane."""
-        own, plane, partner = map(
-            np.asarray, (self.radius, self.surface_radius, self.partner_diameter)
-        )
-        return 1.0 / (1.0 / own + 1.0 / plane + 2.0 / partner)[()]
+        radii = self.radius, self.surface_radius, np.asarray(self.partner_diameter) / 2.0
+        sphere, surface, partner = (1.0 / np.asarray(radius) for radius in radii)
+        return 1.0 / (sphere + surface + partner)[()]
 
     @property
     def is_pair(self) -> bool:

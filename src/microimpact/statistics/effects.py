@@ -58,9 +58,9 @@ def _read(generator: str) -> list[tuple[int, tuple[int, ...]]]:
     """
     words = generator.split()
     free: dict[str, int] = {}
-    for place, word in enumerate(words):
+    for column, word in enumerate(words):
         if len(word) == 1 and word.isalpha():
-            free.setdefault(word, place)
+            free.setdefault(word, column)
     reading = []
     for word in words:
         body = word.removeprefix("-")
