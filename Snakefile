@@ -34,7 +34,7 @@ rule all:
 
 
 onstart:
-    write_stamp()
+    begin_run()
 
 
 onsuccess:

@@ -71,15 +71,14 @@ class Project:
     def planned(self, *arguments):
         """Return the names of the rules that a run would execute: not mere targets, as fig17."""
         text = self.snakemake("--dry-run", *arguments).text
-        table = text.partition("Job stats:")[2].partition("total")[0]
-        named = set(re.findall(r"^(\w+) +\d+$", table, flags=re.MULTILINE))
-        targets = yaml.safe_load((self.root / "config/figures.yaml").read_text(encoding="utf-8"))
-        return named - {"all", *targets}
+        return set(re.findall(r"^(\w+)  \S", text, flags=re.MULTILINE))
 
     def done(self, *arguments):
         """Run, and return the names of the rules that were executed."""
-        text = self.snakemake(*arguments).text
-        return set(re.findall(r"^(\w+)  +[\d.]+ s  \d+ of \d+$", text, flags=re.MULTILINE))
+        self.snakemake(*arguments)
+        *_, account = sorted((self.root / ".snakemake/log").glob("*.log"))
+        text = account.read_text(encoding="utf-8")
+        return set(re.findall(r"^rule (\w+):$\n(?:.*\n)*?    log:", text, flags=re.MULTILINE))
 
     def files(self, *, under="."):
         """Return all files below a folder, relative to the project."""

@@ -45,14 +45,15 @@ rule claims:
     params:
         ledger="claims",
         rows={},
-        branch=SETTINGS.branches["claim_numbers"],
-        changed={
-            study: CHANGED[study]
-            for study in sorted({"claim_numbers", *studies.needs("claim_numbers").values()})
-            if CHANGED
-        },
-        rests_on=digest_of_inputs("claim_numbers", "digitised_comparison"),
-        code=digest_of_code("study.ledgers.claims", script="judge_ledger.py"),
+        branch=Digested(SETTINGS.branches["claim_numbers"]),
+        changed=Digested(
+            {
+                study: CHANGED[study]
+                for study in sorted({"claim_numbers", *studies.needs("claim_numbers").values()})
+                if CHANGED
+            }
+        ),
+        **code("study.ledgers.claims", script="judge_ledger.py"),
     script:
         "../scripts/judge_ledger.py"
 
@@ -76,8 +77,8 @@ rule equations:
         "<results>/benchmarks/equations.tsv"
     params:
         ledger="equations",
-        rows=SETTINGS.tables.of_pair("stainless-steel-316", "silicon"),
-        code=digest_of_code(
+        rows=Digested(SETTINGS.tables.of_pair("stainless-steel-316", "silicon")),
+        **code(
             "study.ledgers.equations",
             script="judge_ledger.py",
             files=[PROJECT / "config/equations.yaml"],

@@ -34,9 +34,8 @@ for study, drawn in FIGURES_OF.items():
         # Nothing but the report waits for a figure; studies wait for studies.
         priority: -1
         params:
-            entries={figure: FIGURE_ENTRIES[figure] for figure in drawn},
-            rests_on=digest_of_inputs(*drawn),
-            code=digest_of_code(
+            entries=Digested({figure: FIGURE_ENTRIES[figure] for figure in drawn}),
+            **code(
                 *sorted({FIGURES[figure].module for figure in drawn}), script="draw_figures.py"
             ),
         script:

@@ -28,14 +28,13 @@ from pydantic import AwareDatetime
 from rocrate.model.contextentity import ContextEntity
 from rocrate.rocrate import ROCrate
 
-from microimpact.core.files import require_unaltered, write_file
+from microimpact.core.files import write_file
 from study.report.check.results import (
     CLAIMS,
     TABLE_FOLDERS,
     ResultsError,
     built,
     read_json,
-    require_current,
     require_results,
 )
 from study.report.site.ledgers import read_rows
@@ -49,7 +48,7 @@ CONFIGURATION = ("config/config.yaml", "config/laboratory.yaml", "config/analyse
 WORKFLOW_PARTS = ("rules/*.smk", "scripts/*.py", "report/*.rst")
 RESULTS = (*TABLE_FOLDERS, "figures")
 # Not results: what the engine and the jobs tell of the run.
-TRACES = ("benchmarks", "checksums", "logs")
+TRACES = ("benchmarks", "logs")
 
 PROFILES = {
     "https://w3id.org/ro/wfrun/process/0.5": ("Process Run Crate", "0.5"),
@@ -104,11 +103,8 @@ def write_crate(results: Path, project: Path) -> Path:
     ------
     ResultsError
         If the folder holds no finished run, or the project is not the one that was run.
-    AlteredError
-        If results are not as the run wrote them.
     """
     require_results(results)
-    require_unaltered(results, [results / name for name in _files(results, RESULTS)])
     run = read_run(results / STAMP)
     _require_same_project(run, project, results)
     inputs = declared_inputs(run.config, project)
@@ -154,7 +150,6 @@ def read_run(path: Path) -> Run:
     if not path.is_file():
         raise ResultsError(f"{path}: missing; a run writes it when the last result is there")
     stamp = read_json(path)
-    require_current(path, stamp)
     if stamp.get("ended", "") is None:
         raise ResultsError(f"{path}: the run has not ended well; finish it with `snakemake`")
     content = stamp | {"identifier": hashlib.sha256(path.read_bytes()).hexdigest()[:12]}

@@ -10,7 +10,7 @@ import json
 import os
 import platform
 import subprocess
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -115,7 +115,6 @@ def write_stamp(
     started: datetime,
     *,
     ended: datetime | None = None,
-    outdated: Sequence[str] = (),
     files: Mapping[str, str] = NO_FILES,
 ) -> None:
     """Write the stamp of a run as JSON.
@@ -132,15 +131,12 @@ def write_stamp(
         Begin of the run, see `run_date`.
     ended
         End of a run that went well; None while it goes on, and after a failure.
-    outdated
-        Results of earlier runs with other inputs.
     files
         Checksums of the declared files, see `checksums`.
     """
     stamp = {
         "started": started.isoformat(),
         "ended": ended and ended.isoformat(),
-        "outdated": list(outdated),
         **origin(config, project),
         "files": dict(files),
         "config": config,

@@ -54,18 +54,6 @@ def require_results(root: Path, *needed: str) -> None:
         raise ResultsError(f"{root}: has no {', '.join(missing)}: build them with `snakemake`")
 
 
-def require_current(path: Path, stamp: Mapping[str, Any]) -> None:
-    """Refuse a run stamp that tells of results made earlier, from other inputs.
-
-    Raises ResultsError, naming some of these results.
-    """
-    if outdated := stamp.get("outdated"):
-        names = ", ".join(outdated[:3]) + (", ..." if len(outdated) > 3 else "")
-        raise ResultsError(
-            f"{path}: made earlier, from other inputs: {names}; renew them with `snakemake`"
-        )
-
-
 def table_files(root: Path) -> dict[str, Path]:
     """Return the tables below a root by name (``data/fig14.csv``), declared inputs first.
 
