@@ -26,6 +26,9 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
 
 
+digests.keep()
+
+
 rule all:
     """Every file that any rule makes."""
     default_target: True

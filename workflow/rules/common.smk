@@ -70,7 +70,6 @@ try:
         logger.info(f"Results go to {RESULTS}", extra={"results": RESULTS})
         if Path(workflow.basedir).is_relative_to(PROJECT):  # a module writes beside other results
             stamp.require_results_folder(RESULTS)
-        digests.keep()
         with located(SETTINGS.general.claims):
             read_claims(SETTINGS.general.claims, SETTINGS.branches["claim_numbers"])
 except (ValueError, OSError) as error:
