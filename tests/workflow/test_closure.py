@@ -43,7 +43,10 @@ def test_data_files_and_scripts_belong_to_a_figure():
 
 def test_digests_are_of_code_and_of_all_of_a_text(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    code, text = "def f():\n    return 1\n", '"""Words."""\n# why\ndef f():\n\n    """Told."""\n    return 1\n'
+    code, text = (
+        "def f():\n    return 1\n",
+        '"""Words."""\n# why\ndef f():\n\n    """Told."""\n    return 1\n',
+    )
 
     def digest_of(folder, content, **kinds):
         file = tmp_path / folder / "a.py"

@@ -6,12 +6,14 @@ from typing import Any
 import pandas as pd
 from job import run
 
+from microimpact.core.computable import NotComputable
 from study import studies
 from study.declared.parameters import build
 from study.declared.selection import NamedTables
 from study.tables import (
     NOT_COMPUTED,
-    UNCOMPUTABLE,
+    NotComputedError,
+    lacking,
     not_computed,
     parse_table,
     read_table,
@@ -29,8 +31,9 @@ def main(job: Any) -> str:
     The rule names it as ``params.study``, with its branch of the configuration as
     ``params.branch``, rows of declared tables as ``params.rows`` (name -> CSV text), and tables of
     earlier studies as named input files. The rule of its parts makes one, such as 1-of-2; what is
-    made of the files ``parts`` is among the inputs of the study as one table. In place of what the
-    inputs do not allow, tables that say why are written: it stops neither claims nor report.
+    made of the files ``parts`` is among the inputs of the study as one table. In place of what
+    changed inputs do not allow, tables that say why are written: it stops neither claims nor
+    report. Inputs as shipped, with ``params.is_shipped``, allow all.
     """
     study = studies.study(job.params.study)
     declared = {name: parse_table(text) for name, text in job.params.rows.items()}
@@ -46,10 +49,12 @@ def main(job: Any) -> str:
             if parts := job.input.get("parts"):
                 inputs["parts"] = pd.concat(map(read_table, parts))
             tables = study.run(params, inputs)
-    except UNCOMPUTABLE as error:
+    except NotComputable as error:
         why = reason(job.params.study, error)
         sys.stderr.write(f"{NOT_COMPUTED}: {why}\n")
         tables = dict.fromkeys(outputs, not_computed(why))
+    if job.params.is_shipped and (reasons := lacking(tables)):
+        raise NotComputedError(f"with the inputs as shipped, {NOT_COMPUTED}: {'; '.join(reasons)}")
     if set(tables) != set(outputs):
         raise ValueError(f"returned the tables {sorted(tables)}, the rule has {sorted(outputs)}")
     for name, path in outputs.items():

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Real, checked, choice, common_shape
+from microimpact.core.computable import NotComputable
 from microimpact.core.materials import Material
 from microimpact.core.plausible import warn_caller
 from microimpact.core.readable import Readable
@@ -243,7 +244,7 @@ class Contact(Readable):
         self._set("scales", scales if self.shape else tuple(map(float, scales)))
         sums = np.array([np.sum(scale) for scale in scales[:3]])
         if not (np.all(np.isfinite(sums)) and np.all(np.asarray(self.mass) > 0.0)):
-            raise ValueError(
+            raise NotComputable(
                 "diameter, density, stiffness and adhesion are beyond double precision together: "
                 f"mass {self.mass} kg, velocity scale {self.velocity_scale} m/s"
             )

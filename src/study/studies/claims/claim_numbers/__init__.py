@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from microimpact.core.computable import NotComputable
 from microimpact.core.nearest import nearest
 from study.studies.claims import NUMBER_COLUMNS
 from study.studies.claims.claim_numbers import (
@@ -35,7 +36,7 @@ from study.studies.claims.claim_numbers import (
 from study.studies.claims.claim_numbers.claim import CLAIMS, ascending, flat, params, rows
 from study.studies.claims.claim_numbers.context import Common, Context
 from study.studies.contacts import posterior_contact, posterior_rows
-from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Tables, reason
+from study.tables import NOT_COMPUTED, Tables, reason
 
 __all__ = ["CLAIMS", "SECTIONS", "Params", "numbers_of", "run"]
 
@@ -118,7 +119,7 @@ def run(params: Common, inputs: Tables) -> Tables:
     numbers = [row for name in ascending() for row in rows(name, context)]
     try:
         drawn = draws_of(params, inputs)
-    except UNCOMPUTABLE as error:  # these claims are not judged by their calibrated cases instead
+    except NotComputable as error:  # these claims are not judged by their calibrated cases instead
         drawn = pd.DataFrame(columns=list(DRAW_COLUMNS))
         row = {"quantity": NOT_COMPUTED, "problem": reason("claim_draws", error)}
         numbers += [{"claim": name, **row} for name in ascending() if CLAIMS[name].by_contact]
@@ -176,7 +177,7 @@ def _of(name: str, params: Common, inputs: Tables, rows: pd.DataFrame) -> Iterat
     )
     try:
         numbers = list(flat(CLAIMS[name].numbers(context), ""))
-    except UNCOMPUTABLE:
+    except NotComputable:
         return
     values = [np.broadcast_to(value, len(rows)) for *_, value in numbers]
     known = np.all(np.isfinite(values), axis=0)

@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, make_dataclass, replace
 from typing import Any, get_type_hints
 
+from microimpact.core.computable import NotComputable
 from study.studies.claims.claim_numbers.context import Common, Context, Estimate, Numbers
-from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Row, reason
+from study.tables import NOT_COMPUTED, Row
 
 Function = Callable[..., Numbers]
 
@@ -110,9 +111,8 @@ def rows(name: str, context: Context) -> Iterator[Row]:
                 {"case": case, "quantity": name, **finite(name, number)._asdict(), "problem": ""}
                 for case, name, number in flat(numbers, each.case)
             ]
-        except UNCOMPUTABLE as error:
-            why = reason(type(error).__name__, error)
-            results = [{"case": each.case, "quantity": NOT_COMPUTED, "problem": why}]
+        except NotComputable as error:
+            results = [{"case": each.case, "quantity": NOT_COMPUTED, "problem": str(error)}]
         for result in results:
             yield row | result | {"inputs": " ".join(sorted(read.names))}
 
@@ -129,10 +129,10 @@ def flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, Any]]:
 def finite(quantity: str, number: Any) -> Estimate:
     """Return a number and its error, nan if there is none.
 
-    Raises ArithmeticError if the number is not finite.
+    Raises NotComputable if the number is not finite.
     """
     value, error = number if isinstance(number, Estimate) else (number, math.nan)
     value = float(value.item()) if hasattr(value, "item") else float(value)
     if not math.isfinite(value):
-        raise ArithmeticError(f"{quantity} = {value} is not a finite number")
+        raise NotComputable(f"{quantity} = {value} is not a finite number")
     return Estimate(value, float(error))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from microimpact.core.computable import NotComputable
 from microimpact.model.dynamics.capture import capture_velocity
 from study.declared.parameters import Finite
 from study.studies.claims.claim_numbers.claim import claim
@@ -94,7 +95,7 @@ def fraction(context: Context, variation: str) -> pd.DataFrame:
 def effect(effects: pd.DataFrame, word: str) -> float:
     """Return the design's estimate of the effect of a word: the effect of its alias class.
 
-    Raises ValueError if the word is constant over the runs.
+    Raises NotComputable if the word is constant over the runs.
     """
     for name, size, aliases in zip(
         effects.index, effects["effect_percent"], effects["aliases"].astype(str), strict=True
@@ -103,7 +104,7 @@ def effect(effects: pd.DataFrame, word: str) -> float:
             return float(size)
         if f"-{word}" in aliases.split():
             return -float(size)
-    raise ValueError(f"doe_effects: {word} is constant over the runs of the design")
+    raise NotComputable(f"doe_effects: {word} is constant over the runs of the design")
 
 
 def leading(effects: pd.DataFrame) -> float:
