@@ -22,6 +22,8 @@ _PLACE = re.compile(
     r'^WorkflowError in (rule|file) .*:\n|\n  File ".*", line \d+, in .*$', re.MULTILINE
 )
 _NO_TARGET = re.compile(r"^MissingRuleException:\nNo rule to produce (\S+)")
+_TRACED = re.compile(r"^ +\^+$|^Traceback ", re.MULTILINE)
+_NO_FILE = re.compile(r"^FileNotFoundError: .*: '(.*)'$")
 # What a failed step has said already, in its own words and by its log.
 _REPEATED = (
     "RuleException:\nCalledProcessError",
@@ -36,7 +38,14 @@ _REASON = 80
 
 
 def _message(error: str) -> str:
-    """Return an error without its place in a Snakefile; of a wrong target, the nearest name."""
+    """Return an error without its place in a Snakefile; of a wrong target, the nearest name.
+
+    Of a traceback, as of options that Snakemake itself refuses, its last line.
+    """
+    if _TRACED.search(error):
+        error = error.strip().splitlines()[-1]
+        if missing := _NO_FILE.search(error):
+            return f"{missing[1]}: no such file (targets stand before --configfile)"
     wrong = _NO_TARGET.search(error)
     if not wrong:
         return _PLACE.sub("", error).strip()

@@ -82,10 +82,8 @@ def judged(
     branch = made.settings.branches[STUDY]
     claim = read_claims(declared_file("claims.yaml"), branch)[name]
     if folder and not changes and not contacts:
-        numbers, draws = (
-            read_table(folder / f"tables/{table}.csv").query("claim == @name")
-            for table in (STUDY, "claim_draws")
-        )
+        tables = (read_table(folder / f"tables/{table}.csv") for table in (STUDY, "claim_draws"))
+        numbers, draws = (table[table["claim"] == name] for table in tables)
     else:
         if contacts:
             made.update({table: with_contacts(made[table], contacts) for table in CONTACTS})

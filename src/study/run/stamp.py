@@ -24,6 +24,8 @@ from study.declared.references import FROM, is_reference
 
 STAMP = "run.json"
 NO_FILES: Mapping[str, str] = {}
+# Other files, as an overlay in the clone, decide nothing of what is shipped.
+DECIDING = ("Snakefile", "config", "requirements", "src", "workflow")
 PACKAGES = (
     *("microimpact", "numpy", "scipy", "pandas"),
     *("matplotlib", "numba", "pydantic", "snakemake"),
@@ -178,7 +180,10 @@ def origin(config: Mapping[str, Any], project: Path | str) -> dict[str, Any]:
 
 
 def git_state(project: Path) -> dict[str, str | bool | None]:
-    """Return commit and dirty flag of a project; both None if it is no git checkout."""
+    """Return commit of a project, and whether what decides its results differs from it.
+
+    Both are None if it is no git checkout.
+    """
 
     def git(*arguments: str) -> str:
         command = ["git", "-C", str(project), *arguments]
@@ -189,6 +194,6 @@ def git_state(project: Path) -> dict[str, str | bool | None]:
     with suppress(OSError, subprocess.SubprocessError):
         # A project copied into some other repository has no commit of its own.
         if Path(git("rev-parse", "--show-toplevel")).resolve() == project.resolve():
-            dirty = bool(git("status", "--porcelain"))
+            dirty = bool(git("status", "--porcelain", "--", *DECIDING))
             return {"commit": git("rev-parse", "--verify", "HEAD"), "dirty": dirty}
     return {"commit": None, "dirty": None}
