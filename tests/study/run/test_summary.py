@@ -6,6 +6,7 @@ import json
 from datetime import UTC, datetime
 
 import pytest
+from tests.shared import execute
 
 from study.run import stamp as runstamp
 from study.run.summary import summary
@@ -67,6 +68,25 @@ def test_stamp(tmp_path, monkeypatch):
     assert stamp["started"] == "1969-12-31T23:00:00+00:00"
     assert stamp["ended"] == "1970-01-02T00:00:00+00:00"
     assert stamp["git"] == {"commit": None, "dirty": None}
+
+
+def test_only_what_decides_results_makes_a_commit_dirty(tmp_path):
+    def git(*arguments):
+        identity = ("-c", "user.name=a", "-c", "user.email=a@b")
+        return execute("git", "-C", str(tmp_path), *identity, *arguments).stdout.strip()
+
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src/code.py").write_text("x = 1\n")
+    git("init", "-q")
+    git("add", ".")
+    git("commit", "-q", "-m", "a")
+    (tmp_path / "my-run.yaml").write_text("seed: 1\n")
+    commit = git("rev-parse", "HEAD")
+    assert runstamp.git_state(tmp_path) == {"commit": commit, "dirty": False}
+    for file in ("src/code.py", "src/new.py"):
+        (tmp_path / file).write_text("x = 2\n")
+        assert runstamp.git_state(tmp_path) == {"commit": commit, "dirty": True}
+        git("stash", "-q")
 
 
 def test_an_overlay_that_changes_inputs_needs_a_folder_of_its_own():
