@@ -62,15 +62,15 @@ class Project:
         done.text = done.stdout + done.stderr
         return done
 
-    def snakemake(self, *arguments, check=True):
-        done = self.call("snakemake", "--cores", "1", *arguments)
+    def snakemake(self, *arguments, check=True, **environment):
+        done = self.call("snakemake", "--cores", "1", *arguments, **environment)
         if check and done.returncode:
             raise AssertionError(done.text)
         return done
 
-    def planned(self, *arguments):
+    def planned(self, *arguments, **environment):
         """Return the names of the rules that a run would execute: not mere targets, as fig17."""
-        text = self.snakemake("--dry-run", *arguments).text
+        text = self.snakemake("--dry-run", *arguments, **environment).text
         return set(re.findall(r"^(\w+)  \S", text, flags=re.MULTILINE))
 
     def done(self, *arguments):

@@ -37,6 +37,7 @@ def test_data_files_and_scripts_belong_to_a_figure():
     script = SCRIPTS / "draw_figures.py"
     found = names(source_files("study.figures.models.curves", scripts=[script]))
     assert {"microimpact.mplstyle", "style.py", "draw_figures.py", "tables.py"} <= found
+    assert "digitised.py" in found  # the script alone imports it
     assert "py.typed" not in found
     assert "estimation.py" not in found
 
