@@ -43,6 +43,7 @@ rule claims:
     benchmark:
         "<results>/benchmarks/claims.tsv"
     params:
+        **code("study.ledgers.claims", script="judge_ledger.py"),
         ledger="claims",
         rows={},
         branch=Digested(SETTINGS.branches["claim_numbers"]),
@@ -53,7 +54,6 @@ rule claims:
                 if CHANGED
             }
         ),
-        **code("study.ledgers.claims", script="judge_ledger.py"),
     script:
         "../scripts/judge_ledger.py"
 
@@ -76,12 +76,12 @@ rule equations:
     benchmark:
         "<results>/benchmarks/equations.tsv"
     params:
-        ledger="equations",
-        rows=Digested(SETTINGS.tables.of_pair("stainless-steel-316", "silicon")),
         **code(
             "study.ledgers.equations",
             script="judge_ledger.py",
             files=[PROJECT / "config/equations.yaml"],
         ),
+        ledger="equations",
+        rows=Digested(SETTINGS.tables.of_pair("stainless-steel-316", "silicon")),
     script:
         "../scripts/judge_ledger.py"

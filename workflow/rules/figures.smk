@@ -34,10 +34,8 @@ for study, drawn in FIGURES_OF.items():
         # Nothing but the report waits for a figure; studies wait for studies.
         priority: -1
         params:
+            **code(*sorted({FIGURES[figure].module for figure in drawn}), script="draw_figures.py"),
             entries=Digested({figure: FIGURE_ENTRIES[figure] for figure in drawn}),
-            **code(
-                *sorted({FIGURES[figure].module for figure in drawn}), script="draw_figures.py"
-            ),
         script:
             "../scripts/draw_figures.py"
 

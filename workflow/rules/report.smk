@@ -1,6 +1,7 @@
 """The report, report/index.html, and the pages it leads to; the check against references."""
 
 REPORT = PROJECT / "src/study/report"
+# The report has copies of code.
 SHOWN_SOURCES = closure.source_files(
     *studies.homes().values(),
     "study.ledgers.equations",
@@ -21,8 +22,8 @@ rule explorer:
     benchmark:
         "<results>/benchmarks/explorer.tsv"
     params:
-        rows=Digested(SETTINGS.tables.contact_rows()),
         **code("study.report.explorer.build", script="write_explorer.py", files=PAGES),
+        rows=Digested(SETTINGS.tables.contact_rows()),
     script:
         "../scripts/write_explorer.py"
 
@@ -42,6 +43,7 @@ rule report:
     benchmark:
         "<results>/benchmarks/report.tsv"
     params:
+        **code(*studies.homes().values(), script="write_report.py", files=[*PAGES, *SHOWN_SOURCES]),
         record=lambda wildcards: Digested(
             site_record.record_of(
                 config=config,
@@ -50,10 +52,6 @@ rule report:
                 rows=INPUTS.rows,
                 project=PROJECT,
             ).plain()
-        ),
-        # Code is shown, too.
-        **code(
-            *studies.homes().values(), script="write_report.py", files=[*PAGES, *SHOWN_SOURCES]
         ),
     script:
         "../scripts/write_report.py"
