@@ -122,7 +122,8 @@ class LogHandler(LogHandlerBase):
             logs = list(fields.get("log") or [])
             self._steps[fields["jobid"]] = name, time.monotonic(), logs
             if self.common_settings.dryrun and logs:  # a target alone does nothing
-                reason = " ".join(fields["reason"].split())
+                # Digests before and after say nothing.
+                reason = " ".join(fields["reason"].split()).partition(": Union of")[0]
                 shown = f"{reason[:_REASON]}..." if len(reason) > _REASON else reason
                 self._print(f"{name}  {shown}")
         elif event == LogEvent.RUN_INFO and not self.common_settings.dryrun:

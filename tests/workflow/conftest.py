@@ -78,7 +78,8 @@ class Project:
         self.snakemake(*arguments)
         *_, account = sorted((self.root / ".snakemake/log").glob("*.log"))
         text = account.read_text(encoding="utf-8")
-        return set(re.findall(r"^rule (\w+):$\n(?:.*\n)*?    log:", text, flags=re.MULTILINE))
+        logged = r"^(?:local)?rule (\w+):\n(?:    .*\n)*?    log: "
+        return set(re.findall(logged, text, flags=re.MULTILINE))
 
     def files(self, *, under="."):
         """Return all files below a folder, relative to the project."""
