@@ -33,6 +33,17 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # interpreter that makes .venv must not be looked for inside it.
 ACTIVE = PATH="$(CURDIR)/.venv/bin:$$PATH"
 
+# Snakemake calls Python by a path without quotes, and Python reads it in the letters of the locale:
+# a folder is usable if a shell writes its path without quotes.
+ifneq ($(shell printf %q "$$(pwd -P)"),$(shell pwd -P))
+$(error No job can start in $(shell pwd -P): a blank, a quote, or a letter that this locale does not \
+	have. Move the clone, or, for the letters, set LC_ALL=C.UTF-8)
+endif
+CACHE := $(or $(XDG_CACHE_HOME),$(HOME)/.cache)
+ifneq ($(shell mkdir -p "$(CACHE)" 2> /dev/null && test -w "$(CACHE)" || echo not),)
+$(error The cache $(CACHE) cannot be written. Name another: XDG_CACHE_HOME=...)
+endif
+
 LOCKED := .venv/.environment pyproject.toml requirements/build.txt requirements/run.txt
 SCHEMAS := workflow/schemas/config.schema.json
 INSTALLER := $(filter .venv/bin/uv,$(UV))
@@ -150,7 +161,8 @@ broken = { [ ! -e .venv-before ] || { rm -rf .venv; mv .venv-before .venv; }; $(
 # The stamps go first, lest an interrupted change pass for a finished one.
 ifneq ($(UV),)
 install = rm -f $(1)/.run $(1)/.test; \
-	{ "$(UV)" pip sync --python $(1)/bin/python --require-hashes \
+	echo "Installing ..."; \
+	{ "$(UV)" pip sync --quiet --python $(1)/bin/python --require-hashes \
 		--build-constraints requirements/build.txt requirements/bootstrap.txt requirements/$(2).txt \
 	&& "$(UV)" pip install --quiet --python $(1)/bin/python --no-deps \
 		--build-constraints requirements/build.txt --editable .; \

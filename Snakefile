@@ -23,6 +23,9 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
 
 
+digests.keep()
+
+
 rule all:
     """Every file that any rule makes."""
     default_target: True
@@ -31,7 +34,7 @@ rule all:
 
 
 onstart:
-    write_stamp()
+    begin_run()
 
 
 onsuccess:

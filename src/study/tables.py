@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from microimpact.core.computable import NotComputable
 from microimpact.core.files import write_file
 
 # Loaded where a table is made or read: the workflow, which asks for names alone, starts sooner.
@@ -44,12 +45,8 @@ class TableError(ValueError):
     """A table file that does not have the agreed form."""
 
 
-class NotComputedError(ValueError):
+class NotComputedError(NotComputable):
     """A result that the inputs do not allow; the message names the study, the case and why."""
-
-
-# What inputs or the physics forbid. Errors of the program are none of these and end the run.
-UNCOMPUTABLE = (ValueError, ArithmeticError, RuntimeError)
 
 
 def reason(study: str, error: Exception) -> str:
@@ -63,6 +60,17 @@ def not_computed(why: str) -> pd.DataFrame:
     import pandas as pd
 
     return pd.DataFrame({NOT_COMPUTED: [why]})
+
+
+def lacking(tables: Tables) -> list[str]:
+    """Return why rows of tables, or whole tables, could not be computed, each reason once."""
+    columns = [
+        table[name].dropna()
+        for table in tables.values()
+        for name in (NOT_COMPUTED, "problem")
+        if name in table
+    ]
+    return list(dict.fromkeys(str(why) for column in columns for why in column if why))
 
 
 def computed(table: pd.DataFrame) -> pd.DataFrame:

@@ -1,5 +1,7 @@
 """The commands of the documentation run, page by page, in a small copy of the project.
 
+In both states that users have: before any run, and after one, whose tables commands then take.
+
 A block is run by a shell as it stands. Only four programs are not those of the reader: `make`
 plans what it would do, and so does `snakemake` without a target, or without an input of the
 reader's own: what is made of those as shipped, the small build of all makes. It does so, too, with
@@ -8,6 +10,7 @@ the input of the README, since the guide makes the same figure of another; `pyte
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -17,9 +20,10 @@ import pytest
 import yaml
 from tests.docs.blocks import ROOT, blocks
 from tests.shared import execute, require
-from tests.workflow.conftest import TINY, copied
+from tests.workflow.conftest import TINY, built, copied  # noqa: F401  a fixture
 
 from study.declared.references import merged
+from study.report.site.record import RECORD
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
@@ -43,10 +47,14 @@ PROGRAMS = {
 }
 
 
-@pytest.fixture(scope="module")
-def shell(tmp_path_factory):
+@pytest.fixture(scope="module", params=["before a run", "after a run"])
+def shell(request, tmp_path_factory):
     """Run a block in the copy; files of earlier blocks are there."""
     root = copied(tmp_path_factory.mktemp("documented")).root
+    if request.param == "after a run":
+        shutil.copytree(request.getfixturevalue("built") / "build/ci", root / "results")
+        record = json.loads((root / "results" / RECORD).read_text())
+        (root / "results" / RECORD).write_text(json.dumps(record | {"changes": []}))
     (root / "tests").symlink_to(ROOT / "tests")
     small = yaml.safe_load((root / "config/ci.yaml").read_text())
     small.pop("pathvars")

@@ -62,24 +62,24 @@ class Project:
         done.text = done.stdout + done.stderr
         return done
 
-    def snakemake(self, *arguments, check=True):
-        done = self.call("snakemake", "--cores", "1", *arguments)
+    def snakemake(self, *arguments, check=True, **environment):
+        done = self.call("snakemake", "--cores", "1", *arguments, **environment)
         if check and done.returncode:
             raise AssertionError(done.text)
         return done
 
-    def planned(self, *arguments):
+    def planned(self, *arguments, **environment):
         """Return the names of the rules that a run would execute: not mere targets, as fig17."""
-        text = self.snakemake("--dry-run", *arguments).text
-        table = text.partition("Job stats:")[2].partition("total")[0]
-        named = set(re.findall(r"^(\w+) +\d+$", table, flags=re.MULTILINE))
-        targets = yaml.safe_load((self.root / "config/figures.yaml").read_text(encoding="utf-8"))
-        return named - {"all", *targets}
+        text = self.snakemake("--dry-run", *arguments, **environment).text
+        return set(re.findall(r"^(\w+)  \S", text, flags=re.MULTILINE))
 
     def done(self, *arguments):
         """Run, and return the names of the rules that were executed."""
-        text = self.snakemake(*arguments).text
-        return set(re.findall(r"^(\w+)  +[\d.]+ s  \d+ of \d+$", text, flags=re.MULTILINE))
+        self.snakemake(*arguments)
+        *_, account = sorted((self.root / ".snakemake/log").glob("*.log"))
+        text = account.read_text(encoding="utf-8")
+        logged = r"^(?:local)?rule (\w+):\n(?:    .*\n)*?    log: "
+        return set(re.findall(logged, text, flags=re.MULTILINE))
 
     def files(self, *, under="."):
         """Return all files below a folder, relative to the project."""

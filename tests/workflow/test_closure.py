@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import json
+import sys
 from pathlib import Path
 
+import pytest
 from tests.shared import ROOT
-from workflow.scripts.closure import closure, digest_of_files, source_files
+from workflow.scripts import digests
+
+sys.modules["digests"] = digests  # as scripts know it
+from workflow.scripts import job  # noqa: E402
+from workflow.scripts.closure import closure, source_files  # noqa: E402
 
 SCRIPTS = ROOT / "workflow/scripts"
 
@@ -30,18 +37,40 @@ def test_data_files_and_scripts_belong_to_a_figure():
     script = SCRIPTS / "draw_figures.py"
     found = names(source_files("study.figures.models.curves", scripts=[script]))
     assert {"microimpact.mplstyle", "style.py", "draw_figures.py", "tables.py"} <= found
+    assert "digitised.py" in found  # the script alone imports it
     assert "py.typed" not in found
     assert "estimation.py" not in found
 
 
-def test_a_digest_is_of_contents_and_names_in_any_order(tmp_path):
-    def digest_of(folder, texts):
-        (tmp_path / folder).mkdir()
-        for name, text in texts.items():
-            (tmp_path / folder / name).write_text(text)
-        return digest_of_files([tmp_path / folder / name for name in texts], tmp_path / folder)
+def test_digests_are_of_code_and_of_all_of_a_text(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code, text = (
+        "def f():\n    return 1\n",
+        '"""Words."""\n# why\ndef f():\n\n    """Told."""\n    return 1\n',
+    )
 
-    first = digest_of("first", {"a": "1", "b": "2"})
-    assert digest_of("elsewhere", {"b": "2", "a": "1"}) == first
-    changes = ({"a": "1", "b": "3"}, {"a": "1", "c": "2"}, {"a": "1"}, {"a": "2", "b": "1"})
-    assert len({first, *(digest_of(f"{i}", texts) for i, texts in enumerate(changes))}) == 5
+    def digest_of(folder, content, **kinds):
+        file = tmp_path / folder / "a.py"
+        file.parent.mkdir()
+        file.write_text(content)
+        files = {"code": [str(file)]} | {kind: [file] for kind in kinds}
+        return repr(digests.of_files(file.parent, **files))
+
+    same = {digest_of("plain", code), digest_of("commented", text)}
+    assert len(same) == 1
+    others = {digest_of("edited", code.replace("1", "2")), digest_of("shown", text, texts=True)}
+    assert len(others | same) == 3
+    # Kept for the next start.
+    digests.keep()
+    assert len(json.loads((tmp_path / digests.KEPT).read_text())) == 3
+
+
+def test_a_job_is_refused_if_its_code_was_edited_since_the_run_began(tmp_path, monkeypatch):
+    monkeypatch.setattr(job, "PROJECT", tmp_path)
+    (tmp_path / "study.py").write_text("x = 1\n")
+    recorded = dict(digests.of_files(tmp_path, [str(tmp_path / "study.py")]))
+    (tmp_path / "study.py").write_text("x = 1  # one\n")
+    job.require_recorded_code(recorded)
+    (tmp_path / "study.py").write_text("x = 2\n")
+    with pytest.raises(RuntimeError, match=r"edited while the run went on: study\.py"):
+        job.require_recorded_code(recorded)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pandas as pd
 import pytest
 from tests.shared import ROOT, settings_as_shipped
@@ -25,18 +26,51 @@ def lacking(tmp_path):
     return path
 
 
-def test_a_study_without_its_table_writes_why(lacking, tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
-    from run_study import main
-
-    study, made = "rolling_dissipation", {name: tmp_path / f"{name}.csv" for name in "ab"}
+def job(tmp_path, study, inputs, *names, is_shipped):
     branch = settings_as_shipped().branches[study]
-    job = SimpleNamespace(rule=study, input={"calibration": lacking}, output=made, wildcards={})
-    job.params = SimpleNamespace(study=study, rows={}, branch=branch)
-    main(job)
-    for path in made.values():
+    made = {name: tmp_path / f"{name}.csv" for name in names}
+    params = SimpleNamespace(study=study, rows={}, branch=branch, is_shipped=is_shipped)
+    return SimpleNamespace(rule=study, input=inputs, output=made, wildcards={}, params=params)
+
+
+@pytest.fixture
+def run_study_script(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
+    import run_study
+
+    return run_study
+
+
+def test_a_study_without_its_table_writes_why(lacking, tmp_path, run_study_script):
+    changed, shipped = (
+        job(
+            tmp_path,
+            "rolling_dissipation",
+            {"calibration": lacking},
+            "a",
+            "b",
+            is_shipped=is_shipped,
+        )
+        for is_shipped in (False, True)
+    )
+    # Inputs as shipped allow all.
+    with pytest.raises(NotComputedError, match=f"^with the inputs as shipped, .*: {WHY}$"):
+        run_study_script.main(shipped)
+    assert not any(path.exists() for path in shipped.output.values())
+    run_study_script.main(changed)
+    for path in changed.output.values():
         with pytest.raises(NotComputedError, match=f"^{WHY}$"):
             read_table(path)
+
+
+def test_an_error_of_the_program_is_no_result(lacking, tmp_path, run_study_script, monkeypatch):
+    def run(params, inputs):
+        return np.ones(3) + np.ones(4)
+
+    monkeypatch.setattr("study.analyses.fig17_coulomb_friction.compute.run", run)
+    with pytest.raises(ValueError, match="could not be broadcast"):
+        run_study_script.main(job(tmp_path, "coulomb_friction", {}, "fig17", is_shipped=False))
+    assert not (tmp_path / "fig17.csv").exists()
 
 
 def test_a_case_without_solution_costs_those_that_name_it():

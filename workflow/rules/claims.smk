@@ -41,18 +41,17 @@ rule claims:
     benchmark:
         "<results>/benchmarks/claims.tsv"
     params:
+        **code("study.judge", script="judge_ledger.py", files=[PROJECT / "config/amendments.csv"]),
         ledger="claims",
         module="study.judge",
         rows={},
-        branch=SETTINGS.branches["claim_numbers"],
-        changed={
-            name: CHANGED[name]
-            for name in sorted({"claim_numbers", *analyses.needs("claim_numbers").values()})
-            if CHANGED
-        },
-        rests_on=digest_of_inputs("claim_numbers"),
-        code=digest_of_code(
-            "study.judge", script="judge_ledger.py", files=[PROJECT / "config/amendments.csv"]
+        branch=Digested(SETTINGS.branches["claim_numbers"]),
+        changed=Digested(
+            {
+                name: CHANGED[name]
+                for name in sorted({"claim_numbers", *analyses.needs("claim_numbers").values()})
+                if CHANGED
+            }
         ),
     script:
         "../scripts/judge_ledger.py"
@@ -76,13 +75,13 @@ rule equations:
     benchmark:
         "<results>/benchmarks/equations.tsv"
     params:
-        ledger="equations",
-        module="study.equations",
-        rows=SETTINGS.tables.of_pair("stainless-steel-316", "silicon"),
-        code=digest_of_code(
+        **code(
             "study.equations",
             script="judge_ledger.py",
             files=[PROJECT / "config/equations.yaml"],
         ),
+        ledger="equations",
+        module="study.equations",
+        rows=Digested(SETTINGS.tables.of_pair("stainless-steel-316", "silicon")),
     script:
         "../scripts/judge_ledger.py"

@@ -6,12 +6,10 @@ here, with one line per problem, before anything is written.
 
 import atexit
 import gc
-import json
 import os
 import sys
 import time
 import traceback
-from functools import cache
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
@@ -37,9 +35,10 @@ os.environ.update(
 )
 
 import closure
+import digests
+from digests import Digested
 
 from study import analyses
-from microimpact.core.files import of_other_inputs
 from study.figures.declaration import FORMATS
 from study.judge.criteria import declared_claims
 from study.report import explorer, site
@@ -68,6 +67,7 @@ try:
     CHANGED = changed_inputs(SETTINGS, validate(SHIPPED, SHIPPED)) if config != SHIPPED else {}
     INPUTS = read_inputs(SETTINGS, [name for name, inputs in CHANGED.items() if inputs])
     if workflow.is_main_process:  # not in every job
+        logger.info(f"Results go to {RESULTS}", extra={"results": RESULTS})
         if Path(workflow.basedir).is_relative_to(PROJECT):  # a module writes beside other results
             stamp.require_results_folder(RESULTS)
         declared_claims(SETTINGS.branches["claim_numbers"])
@@ -103,44 +103,26 @@ def sample_files(node):
 def parameters(analysis):
     """Return the parameters of an analysis' rule, a change of which runs it again.
 
-    Its branch of the configuration; the rows of declared tables that the branch names; the digest
-    of all inputs that its results rest on; the digest of its code.
+    Its branch of the configuration, and the rows of declared tables that the branch names; whether
+    they, and those of the analyses behind it, are as shipped; its code, and the versions below.
     """
     return {
         "analysis": analysis,
-        "branch": SETTINGS.branches[analysis],
-        "rows": INPUTS.rows[analysis],
-        "rests_on": digest_of_inputs(analysis),
-        "code": digest_of_code(analyses.homes()[analysis], script="run_analysis.py"),
+        "branch": Digested(SETTINGS.branches[analysis]),
+        "rows": Digested(INPUTS.rows[analysis]),
+        "is_shipped": not CHANGED.get(analysis),
+        **code(analyses.homes()[analysis], script="run_analysis.py"),
     }
 
 
-@cache
-def digest_of_inputs(*names):
-    """Return a digest of all declared inputs that studies or figures rest on, at any depth.
+def code(*modules, script, files=()):
+    """Return the code that a rule runs, with texts that it reads, and versions of packages.
 
-    Each result bears it, so that results of other inputs than the present ones can be named.
+    Parameters, whatever the dates of the files: of inputs, some forty files a job, the engine would
+    ask for the state whenever a job has ended.
     """
-    texts = []
-    for name in names:
-        if name in FIGURES:
-            texts += [FIGURES[name].entry(), digest_of_inputs(FIGURES[name].analysis)]
-            texts += [Path(DIGITISED[name]).read_text()] if name in DIGITISED else []
-        else:
-            texts += [SETTINGS.branches[name], INPUTS.rows[name]]
-            texts += [Path(path).read_text() for path in sample_files(SETTINGS.branches[name])]
-            texts += [digest_of_inputs(maker) for maker in sorted({*analyses.needs(name).values()})]
-    return closure.digest(json.dumps(texts))
-
-
-def digest_of_code(*modules, script, files=()):
-    """Return a digest of a script, of modules, and of all that they import, whatever their dates.
-
-    It is a parameter: of inputs, some forty files a job, the engine would ask for the state
-    whenever a job has ended.
-    """
-    sources = closure.source_files(*modules, scripts=[SCRIPTS / script])
-    return closure.digest_of_files([*sources, *files], PROJECT)
+    sources = closure.source_files(*modules, scripts=[SCRIPTS / script, SCRIPTS / "digests.py"])
+    return {"code": digests.of_files(PROJECT, sources, files), "versions": digests.versions()}
 
 
 def result_rules():
@@ -161,41 +143,34 @@ def relative(path):
     return Path(path).relative_to(RESULTS).as_posix()
 
 
-def outdated():
-    """Return the results in the results folder that were made from other inputs than the present."""
-    digests = {
-        relative(path): digest
-        for each in result_rules()
-        if (digest := dict(each.params.items()).get("rests_on"))
-        for path in each.output
-    }
-    return of_other_inputs(RESULTS, digests)
+def begin_run():
+    """Write the stamp of this run, and remove a report of results that are about to be made anew.
+
+    Before a result is made, lest a killed run leave figures beside the stamp of an earlier one.
+    """
+    steps = [job for job in workflow.dag.needrun_jobs() if job.log]
+    if not workflow.touch and any(job.output for job in steps):
+        site.remove(RESULTS / "report")
+    drawings = sum(job.rule.name.endswith("_figures") for job in steps)
+    logger.info(f"{len(steps)} steps", extra={"steps": (len(steps), drawings)})
+    write_stamp()
 
 
 def write_stamp(ended=None):
-    """Write the stamp of this run, and remove a report of other inputs.
-
-    Before a result is made, lest a killed run leave figures beside the stamp of an earlier one, and
-    again at the end. Returns the results of other inputs.
-    """
-    others = outdated()
-    if others:
-        site.remove(RESULTS / "report")
+    """Write the stamp of this run."""
     stamp.write_stamp(
         RESULTS / stamp.STAMP,
         config,
         PROJECT,
         STARTED,
         ended=ended,
-        outdated=others,
         files=stamp.checksums({key: getattr(SETTINGS.general, key) for key in FILES}),
     )
-    return others
 
 
 def end_run():
     """Write the stamp of a run that went well, and say what it has made."""
-    others = write_stamp(ended=stamp.run_date())
+    write_stamp(ended=stamp.run_date())
     made = [path for path in map(Path, results()) if path.is_file()]
     made = [relative(path) for path in made if path.stat().st_mtime >= BEGAN]
-    logger.info(summary(RESULTS, made, others), extra={"summary": True})
+    logger.info(summary(RESULTS, made), extra={"summary": True})

@@ -1,4 +1,4 @@
-"""Figures: one job draws those of a study; each is a target of its own, as in `snakemake fig17`."""
+"""Figures: one job draws those of an analysis; each is a target of its own, as in `snakemake fig17`."""
 
 FIGURES_OF = {}
 for figure, spec in FIGURES.items():
@@ -31,17 +31,16 @@ for analysis, drawn in FIGURES_OF.items():
             f"<results>/logs/{analysis}_figures.log",
         benchmark:
             f"<results>/benchmarks/{analysis}_figures.tsv"
-        # Nothing but the report waits for a figure; studies wait for studies.
+        # Nothing but the report waits for a figure; analyses wait for analyses.
         priority: -1
         params:
-            entries={figure: FIGURES[figure].entry() for figure in drawn},
-            branch=SETTINGS.branches[analysis],
-            pairs=SETTINGS.pairs_of(analysis),
-            rests_on=digest_of_inputs(*drawn),
-            code=digest_of_code(
+            **code(
                 *sorted({FIGURES[figure].draw.__module__ for figure in drawn}),
                 script="draw_figures.py",
             ),
+            entries=Digested({figure: FIGURES[figure].entry() for figure in drawn}),
+            branch=Digested(SETTINGS.branches[analysis]),
+            pairs=Digested(SETTINGS.pairs_of(analysis)),
         script:
             "../scripts/draw_figures.py"
 
@@ -53,4 +52,6 @@ for figure in FIGURES:
             figure
         input:
             [f"<results>/figures/{figure}.{kind}" for kind in FORMATS],
+            # Deleted by hand, they are made again, too.
+            data(*FIGURES[figure].data).values(),
             "<results>/tables/inputs.csv",

@@ -1,6 +1,12 @@
 """The report, report/index.html, and the pages it leads to; the check against references."""
 
 REPORT = PROJECT / "src/study/report"
+# The report has copies of code.
+SHOWN_SOURCES = closure.source_files(
+    *analyses.homes().values(),
+    "study.equations",
+    *{figure.draw.__module__ for figure in FIGURES.values()},
+)
 PAGES = [*REPORT.glob("*/templates/*"), *REPORT.glob("*/assets/*")]
 
 
@@ -16,15 +22,12 @@ rule explorer:
     benchmark:
         "<results>/benchmarks/explorer.tsv"
     params:
-        rows=SETTINGS.tables.contact_rows(),
-        rests_on=digest_of_inputs("contact_properties", "calibration"),
-        code=digest_of_code("study.report.explorer.build", script="write_explorer.py", files=PAGES),
+        **code("study.report.explorer.build", script="write_explorer.py", files=PAGES),
+        rows=Digested(SETTINGS.tables.contact_rows()),
     script:
         "../scripts/write_explorer.py"
 
 
-# The pages of single figures and the copies of results stand beside these. They are not listed:
-# Snakemake keeps all parameters of a job once more for each of its outputs.
 rule report:
     """report/index.html and all pages it leads to: figures, ledgers, tables, run."""
     input:
@@ -33,21 +36,23 @@ rule report:
         explorer="<results>/report/explorer.html",
     output:
         [f"<results>/report/{name}.html" for name in site.PAGES],
+        [directory(f"<results>/report/{name}") for name in (*site.FOLDERS, "assets")],
         record="<results>/report/record.json",
     log:
         "<results>/logs/report.log",
     benchmark:
         "<results>/benchmarks/report.tsv"
     params:
-        record=lambda wildcards: site_record.record_of(
-            config=config,
-            shipped=SHIPPED,
-            figures={name: figure.entry() for name, figure in FIGURES.items()},
-            rows=INPUTS.rows,
-            project=PROJECT,
-        ).plain(),
-        # What each study needs is read, too.
-        code=digest_of_code(*analyses.homes().values(), script="write_report.py", files=PAGES),
+        **code(*analyses.homes().values(), script="write_report.py", files=[*PAGES, *SHOWN_SOURCES]),
+        record=lambda wildcards: Digested(
+            site_record.record_of(
+                config=config,
+                shipped=SHIPPED,
+                figures={name: figure.entry() for name, figure in FIGURES.items()},
+                rows=INPUTS.rows,
+                project=PROJECT,
+            ).plain()
+        ),
     script:
         "../scripts/write_report.py"
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import ast
-import hashlib
-import os
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -70,24 +68,6 @@ def _file(module: str) -> Path:
 def _data_files(folder: Path) -> list[Path]:
     visible = [path for path in folder.iterdir() if path.is_file() and path.name[0] != "."]
     return [path for path in visible if path.suffix not in CODE]
-
-
-def digest_of_files(files: Iterable[Path | str], root: Path) -> str:
-    """Return a digest of the contents and names, relative to a folder, of files in any order.
-
-    Raises OSError if one cannot be read.
-    """
-    return digest("".join(sorted({_line(str(file), str(root)) for file in files})))
-
-
-def digest(text: str) -> str:
-    """Return the SHA-256 of a text, its first 32 hexadecimal digits."""
-    return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
-@cache
-def _line(file: str, root: str) -> str:
-    return f"{hashlib.sha256(Path(file).read_bytes()).hexdigest()} {os.path.relpath(file, root)}\n"
 
 
 @cache

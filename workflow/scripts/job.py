@@ -1,22 +1,19 @@
-"""A job of the workflow, with its log and the checksums of its results."""
+"""A job of the workflow, with its log."""
 
 from __future__ import annotations
 
 import gc
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from microimpact.core.files import (
-    remove_checksums,
-    require_unaltered,
-    write_checksums,
-    write_file,
-)
+import digests
 
-LOGS = "logs"
+from microimpact.core.files import write_file
+
+PROJECT = Path(__file__).parents[2]
 
 # A job is over before the memory that only the collector would find is missed.
 gc.disable()
@@ -36,16 +33,16 @@ def run(main: Callable[[Any], str], job: Any) -> NoReturn:
 def logged(main: Callable[[Any], str], job: Any) -> int:
     """Run a job and log the line it returns; a failure leaves its full account in the log.
 
-    Results that the job reads must be as they were written, and what it writes is recorded, so
-    that a table that lost its last lines is not taken for a whole one.
+    Its code must be that which its results are recorded with, before and after: it may have been
+    edited since the run began.
 
     Parameters
     ----------
     main
         The work; takes the job and returns what is to be logged.
     job
-        The object that a script of the workflow is given, with ``input``, ``output``, ``log`` and
-        ``rule``; its log stands in the folder ``logs`` of the results root.
+        The object that a script of the workflow is given, with ``log`` and ``rule``; the digests of
+        its files are ``params.code``.
 
     Returns
     -------
@@ -53,12 +50,10 @@ def logged(main: Callable[[Any], str], job: Any) -> int:
         Exit code: 0, or 1 after a failure, which is also told in one line.
     """
     log = Path(job.log[0])
-    root = log.parents[[folder.name for folder in log.parents].index(LOGS) + 1]
     try:
-        require_unaltered(root, job.input)
-        remove_checksums(root, job.output)
+        require_recorded_code(job.params.code)
         account = main(job)
-        write_checksums(root, job.output, job.params.get("rests_on", ""))
+        require_recorded_code(job.params.code)
         write_file(log, account)
     except Exception as error:
         sys.stderr.write(f"{job.rule}: {error}\n")
@@ -68,3 +63,9 @@ def logged(main: Callable[[Any], str], job: Any) -> int:
             sys.stderr.write(f"{failure}\n")
         return 1
     return 0
+
+
+def require_recorded_code(recorded: Mapping[str, str]) -> None:
+    """Raise RuntimeError, naming the files, if code is not as the run found it at its start."""
+    if edited := digests.changed(PROJECT, recorded):
+        raise RuntimeError(f"edited while the run went on: {', '.join(edited)}; run again")

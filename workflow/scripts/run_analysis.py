@@ -1,4 +1,4 @@
-"""Run a study, or one part of it, and write the tables it returns."""
+"""Run an analysis, or one part of it, and write the tables it returns."""
 
 import sys
 from typing import Any
@@ -6,12 +6,14 @@ from typing import Any
 import pandas as pd
 from job import run
 
+from microimpact.core.computable import NotComputable
 from study import analyses
 from study.declared.parameters import build
 from study.declared.selection import NamedTables
 from study.tables import (
     NOT_COMPUTED,
-    UNCOMPUTABLE,
+    NotComputedError,
+    lacking,
     not_computed,
     parse_table,
     read_table,
@@ -19,37 +21,40 @@ from study.tables import (
     write_table,
 )
 
-# Inputs of the rule that are no tables of earlier studies.
+# Inputs of the rule that are no tables of earlier analyses.
 OTHERS = {"parts", "samples"}
 
 
 def main(job: Any) -> str:
-    """Run one study and return a line on what was written.
+    """Run one analysis and return a line on what was written.
 
-    The rule names it as ``params.study``, with its branch of the configuration as
+    The rule names it as ``params.analysis``, with its branch of the configuration as
     ``params.branch``, rows of declared tables as ``params.rows`` (name -> CSV text), and tables of
-    earlier studies as named input files. The rule of its parts makes one, such as 1-of-2; what is
-    made of the files ``parts`` is among the inputs of the study as one table. In place of what the
-    inputs do not allow, tables that say why are written: it stops neither claims nor report.
+    earlier analyses as named input files. The rule of its parts makes one, such as 1-of-2; what is
+    made of the files ``parts`` is among the inputs of the analysis as one table. In place of what
+    changed inputs do not allow, tables that say why are written: it stops neither claims nor
+    report. Inputs as shipped, with ``params.is_shipped``, allow all.
     """
-    study = analyses.analysis(job.params.analysis)
+    analysis = analyses.analysis(job.params.analysis)
     declared = {name: parse_table(text) for name, text in job.params.rows.items()}
     made = {name: path for name, path in job.input.items() if name not in OTHERS}
     inputs = NamedTables(declared | made)
-    params = build(study.Params, job.params.branch)
+    params = build(analysis.Params, job.params.branch)
     outputs = dict(job.output.items())
     try:
         if item := job.wildcards.get("scatteritem"):
             number, count = map(int, item.split("-of-"))
-            tables = {"part": study.part(params, inputs, number - 1, count)}
+            tables = {"part": analysis.part(params, inputs, number - 1, count)}
         else:
             if parts := job.input.get("parts"):
                 inputs["parts"] = pd.concat(map(read_table, parts))
-            tables = study.run(params, inputs)
-    except UNCOMPUTABLE as error:
+            tables = analysis.run(params, inputs)
+    except NotComputable as error:
         why = reason(job.params.analysis, error)
         sys.stderr.write(f"{NOT_COMPUTED}: {why}\n")
         tables = dict.fromkeys(outputs, not_computed(why))
+    if job.params.is_shipped and (reasons := lacking(tables)):
+        raise NotComputedError(f"with the inputs as shipped, {NOT_COMPUTED}: {'; '.join(reasons)}")
     if set(tables) != set(outputs):
         raise ValueError(f"returned the tables {sorted(tables)}, the rule has {sorted(outputs)}")
     for name, path in outputs.items():

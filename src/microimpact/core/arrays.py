@@ -11,6 +11,8 @@ from typing import Any, ClassVar, Protocol, Self, cast
 import numpy as np
 import numpy.typing as npt
 
+from microimpact.core.computable import NotComputable
+
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 Real = float | FloatArray
@@ -121,7 +123,7 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
         first = np.argwhere(~good)[0]
         where = f" at index {', '.join(map(str, first))}" if array.ndim else ""
         shortest = repr(float(array[tuple(first)])).removesuffix(".0")
-        raise ValueError(f"{name} must be {_finite(allowed)}, got {shortest}{where}")
+        raise NotComputable(f"{name} must be {_finite(allowed)}, got {shortest}{where}")
     if array.ndim == 0:
         return float(array)
     array.setflags(write=False)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.core.extras import optional
 from microimpact.core.solve import NoRootError, root
 
@@ -33,7 +34,7 @@ LEFT_BEHIND, GATHERINGS = 10.0, 5
 LogDensity = Callable[[FloatArray], FloatArray]
 
 
-class NoDensityError(ValueError):
+class NoDensityError(NotComputable):
     """No point that was looked at has any density."""
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.computable import NotComputable
 
 Place = TypeVar("Place", float, FloatArray)
 
@@ -23,7 +24,7 @@ TINY = float(np.finfo(float).tiny)
 MOST_STEPS = 2000
 
 
-class NoRootError(ValueError):
+class NoRootError(NotComputable):
     """There is no root, or none was found, between the ends given."""
 
 

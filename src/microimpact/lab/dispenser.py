@@ -10,6 +10,7 @@ import numpy as np
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.bounds import NonNegative, Positive
+from microimpact.core.computable import NotComputable
 from microimpact.core.constants import gravity
 from microimpact.statistics.distributions import HalfNormal, mean, sample
 
@@ -64,7 +65,7 @@ def drop_height(speed: float, dispenser: Dispenser) -> float:
     """
     exit_speed = mean(HalfNormal(sd=dispenser.exit_speed_m_per_s))
     if speed <= exit_speed:
-        raise ValueError(
+        raise NotComputable(
             f"speed must be above the mean speed at the needle, {exit_speed:.3g} m/s, got {speed:g}"
         )
     return (speed**2 - exit_speed**2) / (2.0 * gravity)

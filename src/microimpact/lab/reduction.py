@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real, checked
+from microimpact.core.computable import NotComputable
 from microimpact.lab.events import Measured
 from microimpact.model.dynamics.impact import Impact
 from microimpact.statistics.intervals import student_half_width
@@ -65,7 +66,7 @@ def mean_interval(values: ArrayLike, systematic: float = 0.0) -> Mean:
     values = np.asarray(checked("values", values))
     n = values.size
     if n < FEWEST_EVENTS:
-        raise ValueError(f"an interval needs at least {FEWEST_EVENTS} events, got {n}")
+        raise NotComputable(f"an interval needs at least {FEWEST_EVENTS} events, got {n}")
     sd = float(np.std(values, ddof=1))
     half = float(student_half_width(sd, n, systematic))
     centre = float(np.mean(values))

@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 
 from microimpact.core.arrays import POSITIVE, BoolArray, Range, Real, checked, common_shape
+from microimpact.core.computable import NotComputable
 from microimpact.core.solve import root, threshold
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity, scaled_capture_velocity
@@ -31,7 +32,7 @@ ROOT_TOLERANCE = 1e-13
 LARGEST_DAMPING = 1e3
 
 
-class NoSolutionError(ValueError):
+class NoSolutionError(NotComputable):
     """No admissible parameter meets the target."""
 
 

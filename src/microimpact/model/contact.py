@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Real, checked, choice, common_shape
+from microimpact.core.computable import NotComputable
 from microimpact.core.materials import Material
 from microimpact.core.plausible import warn_caller
 from microimpact.core.readable import Readable
@@ -117,7 +118,9 @@ def require_contact(value: object, *, any_law: bool = False, pair: bool = False)
     if not isinstance(value, Contact):
         raise TypeError(f"contact must be a Contact, got {value!r}")
     if value.law is not None and not any_law:
-        raise ValueError(f"contact must have the law {RING_FORCE!r} here, got {value.law.name!r}")
+        raise NotComputable(
+            f"contact must have the law {RING_FORCE!r} here, got {value.law.name!r}"
+        )
     if value.is_pair and not pair:
         raise ValueError("contact must be one with a surface here, got one with a partner_diameter")
 
@@ -252,7 +255,7 @@ class Contact(Readable):
         }
         refused = [name for name, present in foreign.items() if present]
         if refused:
-            raise ValueError(
+            raise NotComputable(
                 f"law {law.name!r} does not know {', '.join(refused)}: leave that to the ring force"
             )
         work = np.asarray(self.work_of_adhesion, dtype=np.float64)

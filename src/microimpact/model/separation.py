@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, Real, checked, choice
+from microimpact.core.computable import NotComputable
 from microimpact.core.constants import epsilon_0
 
 PLACEMENTS = ("lifted", "even", "random")
@@ -144,7 +145,7 @@ class CoatedParticle:
             value = checked(field.name, getattr(self, field.name), POSITIVE)
             object.__setattr__(self, field.name, value)
         if np.any(spherule_indentation(self) >= self.spherule_radius / 3.0):
-            raise ValueError(
+            raise NotComputable(
                 "work_of_adhesion must be below K r / (6 pi) of the spherules, or they sink in"
             )
 

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from microimpact.core.computable import NotComputable
 from microimpact.core.nearest import nearest
 from study.claims.claim import CLAIMS, NUMBER_COLUMNS, ascending, flat, params, rows
 from study.claims.context import Common, Context
 from study.claims.sections import SECTIONS
 from study.contacts import posterior_contact, posterior_rows
-from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Tables, reason
+from study.tables import NOT_COMPUTED, Tables, reason
 
 __all__ = ["CLAIMS", "SECTIONS", "Params", "numbers_of", "run"]
 
@@ -90,7 +91,7 @@ def run(params: Common, inputs: Tables) -> Tables:
     numbers = [row for name in ascending() for row in rows(name, context)]
     try:
         drawn = draws_of(params, inputs)
-    except UNCOMPUTABLE as error:  # these claims are not judged by their calibrated cases instead
+    except NotComputable as error:  # these claims are not judged by their calibrated cases instead
         drawn = pd.DataFrame(columns=list(DRAW_COLUMNS))
         row = {"quantity": NOT_COMPUTED, "problem": reason("claim_draws", error)}
         numbers += [{"claim": name, **row} for name in ascending() if CLAIMS[name].by_contact]
@@ -148,7 +149,7 @@ def _of(name: str, params: Common, inputs: Tables, rows: pd.DataFrame) -> Iterat
     )
     try:
         numbers = list(flat(CLAIMS[name].computed(context), ""))
-    except UNCOMPUTABLE:
+    except NotComputable:
         return
     values = [np.broadcast_to(value, len(rows)) for *_, value in numbers]
     known = np.all(np.isfinite(values), axis=0)

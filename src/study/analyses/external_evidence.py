@@ -16,6 +16,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.model.choices import TANGENTIAL_LAWS
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
@@ -98,7 +99,7 @@ def fact(facts: pd.DataFrame, name: str, quantity: str) -> dict[str, Any]:
     """Return one row of the declared external evidence; its numbers are floats."""
     rows = facts[(facts["name"] == name) & (facts["quantity"] == quantity)]
     if len(rows) != 1:
-        raise ValueError(f"external evidence {name}.{quantity}: {len(rows)} rows, must be 1")
+        raise NotComputable(f"external evidence {name}.{quantity}: {len(rows)} rows, must be 1")
     return {str(column): value for column, value in rows.iloc[0].items()}
 
 

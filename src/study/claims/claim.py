@@ -30,9 +30,10 @@ from typing import Any, Literal, get_type_hints
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.computable import NotComputable
 from study.claims.context import Common, Context, Estimate, Numbers
 from study.declared.documents import filled
-from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Row, reason
+from study.tables import NOT_COMPUTED, Row
 
 Kind = Literal["model", "virtual experiment", "contradiction"]
 # What a claim gets if all its criteria hold: a property of the claim, not of the result.
@@ -292,9 +293,8 @@ def rows(name: str, context: Context) -> Iterator[Row]:
                 {"case": case, "quantity": name, **finite(name, number)._asdict(), "problem": ""}
                 for case, name, number in flat(numbers, each.case)
             ]
-        except UNCOMPUTABLE as error:
-            why = reason(type(error).__name__, error)
-            results = [{"case": each.case, "quantity": NOT_COMPUTED, "problem": why}]
+        except NotComputable as error:
+            results = [{"case": each.case, "quantity": NOT_COMPUTED, "problem": str(error)}]
         for result in results:
             yield row | result | {"inputs": " ".join(sorted(read.names))}
 
@@ -311,10 +311,10 @@ def flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, Any]]:
 def finite(quantity: str, number: Any) -> Estimate:
     """Return a number and its error, nan if there is none.
 
-    Raises ArithmeticError if the number is not finite.
+    Raises NotComputable if the number is not finite.
     """
     value, error = number if isinstance(number, Estimate) else (number, math.nan)
     value = float(value.item()) if hasattr(value, "item") else float(value)
     if not math.isfinite(value):
-        raise ArithmeticError(f"{quantity} = {value} is not a finite number")
+        raise NotComputable(f"{quantity} = {value} is not a finite number")
     return Estimate(value, float(error))

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from pydantic import AfterValidator, Field
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real
+from microimpact.core.computable import NotComputable
 from microimpact.lab.dispenser import NO_SPIN
 from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.ptis.system import ImagingSystem
@@ -201,17 +202,17 @@ class Context:
     def rebounds(self, angles: FloatArray | None = None) -> Impact:
         """Return the impacts meant at angles (all steps, if none given), the contacts last.
 
-        Raises ValueError if no contact rebounds at any.
+        Raises NotComputable if no contact rebounds at any.
         """
         impact = self.impacts(self.speed, self.all_angles() if angles is None else angles)
         if np.all(impact.captured):
-            raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
+            raise NotComputable(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
         return impact
 
     def shallowest_rebounds(self) -> FloatArray:
         """Return the least angle of all steps at which each contact rebounds, degrees.
 
-        90, if it does at none. Raises ValueError if no contact rebounds at any.
+        90, if it does at none. Raises NotComputable if no contact rebounds at any.
         """
         captured = self.rebounds().captured
         return np.asarray(np.where(captured, 90.0, self.all_angles()[:, None]).min(axis=0))
@@ -273,7 +274,7 @@ class Context:
     def table(self, name: str, **where: object) -> pd.DataFrame:
         """Return the rows of a table with these values, of the case if it has a column of cases.
 
-        Raises ValueError if there is none, or if one of them could not be computed.
+        Raises NotComputable if there is none, or if one of them could not be computed.
         """
         rows = self.inputs[name]
         if self.case and "case" in rows:
@@ -282,7 +283,7 @@ class Context:
             rows = rows[rows[column] == value]
         if rows.empty:
             wanted = ", ".join(f"{key} {value}" for key, value in where.items())
-            raise ValueError(f"{name}: no row with {wanted}" if wanted else f"{name}: no row")
+            raise NotComputable(f"{name}: no row with {wanted}" if wanted else f"{name}: no row")
         if "problem" in rows and not (problems := rows["problem"].dropna()).empty:
             raise NotComputedError(problems.iloc[0])
         return rows
@@ -296,7 +297,7 @@ class Context:
     ) -> pd.Series:
         """Return a column of a table by angle (degrees), at some angles or at all.
 
-        Raises ValueError if the table has no such row, or not all the angles.
+        Raises NotComputable if the table has no such row, or not all the angles.
         """
         rows = self.table(name, **where)
         series = pd.Series(rows[column].to_numpy(float), index=rows["angle_deg"].to_numpy(float))
@@ -304,7 +305,7 @@ class Context:
             return series
         wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64)).tolist()
         if missing := [f"{angle:g}" for angle in wanted if angle not in series.index]:
-            raise ValueError(f"{name}: no row at {', '.join(missing)} deg")
+            raise NotComputable(f"{name}: no row at {', '.join(missing)} deg")
         at: pd.Series = series.loc[wanted]
         return at
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from microimpact.core.computable import NotComputable
 from microimpact.model.dynamics.capture import capture_velocity
 from study.analyses.fig24_25_doe.compute import PAIR
 from study.claims.claim import RIDGE, Claim, Number
@@ -209,7 +210,7 @@ def fraction(context: Context, variation: str) -> pd.DataFrame:
 def effect(effects: pd.DataFrame, word: str) -> float:
     """Return the design's estimate of the effect of a factor or of an interaction of two.
 
-    Raises ValueError if the design does not tell it from another such effect.
+    Raises NotComputable if the design does not tell it from another such effect.
     """
     sizes = effects["effect_percent"].to_numpy(float)
     for name, aliases, size in zip(effects.index, effects["aliases"], sizes, strict=True):
@@ -217,11 +218,11 @@ def effect(effects: pd.DataFrame, word: str) -> float:
         if word in words:
             if others := [other for other in words if other != word and len(other) <= PAIR]:
                 mixed = " and ".join(others)
-                raise ValueError(
+                raise NotComputable(
                     f"fig24_25_doe.generator: the design does not tell {word} from {mixed}"
                 )
             return float(size)
-    raise ValueError(f"fig24_25_doe.generator: {word} is constant over the runs of the design")
+    raise NotComputable(f"fig24_25_doe.generator: {word} is constant over the runs of the design")
 
 
 def leading(effects: pd.DataFrame) -> float:

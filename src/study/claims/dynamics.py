@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.computable import NotComputable
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
@@ -456,7 +457,7 @@ def c37(
     times = np.where(impact.captured, np.nan, impact.contact_time * 1e9)
     shortest, longest = np.fmin.reduce(times), np.fmax.reduce(times)
     if np.isnan(shortest).any(axis=0).all():
-        raise ValueError("C37.speeds_m_per_s: no sphere rebounds at them")
+        raise NotComputable("C37.speeds_m_per_s: no sphere rebounds at them")
     return {
         name: {"shortest_contact": least, "longest_contact": most}
         for name, least, most in zip(diameters_um, shortest, longest, strict=True)
@@ -631,7 +632,7 @@ def c42(context: Context, *, stiffness_error: Fraction) -> Numbers:
     table = context.table("rolling_dissipation")
     rows = table[table["captured"].astype(str) == "False"]
     if rows.empty:
-        raise ValueError("rolling_dissipation: no rebound")
+        raise NotComputable("rolling_dissipation: no rebound")
     largest = rows.max(numeric_only=True)
     arm = largest["contact_radius_over_r"]
     return {
@@ -710,7 +711,7 @@ def c99(
     table = context.table("calibration_family")
     flat = table[table["deviation_from_plateau"] <= flat_within]
     if flat.empty:
-        raise ValueError("flat_within: no member of the calibrated family is so flat")
+        raise NotComputable("flat_within: no member of the calibrated family is so flat")
     fields = {DRAWN[name]: flat[name].to_numpy(float) for name in FAMILY}
     members = contact.replace(**fields)
     at_open_speed = simulate(members, open_speed_m_per_s).coefficient_of_restitution

@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 from pydantic import Field
 
+from microimpact.core.computable import NotComputable
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.data import DataSets, data_sets
@@ -70,7 +71,9 @@ def c43(
     """
     rows = context.table("restitution_fits", exponent="free")
     if len(rows) != 1:
-        raise ValueError(f"restitution_fits: {len(rows)} fits of case {context.case!r}, need one")
+        raise NotComputable(
+            f"restitution_fits: {len(rows)} fits of case {context.case!r}, need one"
+        )
     fitted, limit = rows["v_c_m_per_s"].iloc[0], rows["simulated_v_c_m_per_s"].iloc[0]
     steel_limit = float(capture_velocity(context.steel))
     ratios = np.geomspace(late_from, FITTED_TO, rebounds)

@@ -10,6 +10,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.computable import NotComputable
 from microimpact.core.constants import gravity
 from microimpact.core.solve import root
 from microimpact.lab.pdpa.pairing import Form, correct
@@ -148,7 +149,7 @@ def c03(
     rebound = speed_m_per_s * normal_impact(spheres, speed_m_per_s).coefficient_of_restitution
     captured, slow = (np.sum(rebound <= least, axis=0) for least in (0.0, slowest))
     if np.all(captured == sizes):
-        raise ValueError(f"C03.speed_m_per_s: no sphere rebounds at {speed_m_per_s:g}")
+        raise NotComputable(f"C03.speed_m_per_s: no sphere rebounds at {speed_m_per_s:g}")
     share = (slow - captured) / np.maximum(sizes - captured, 1)
     return {
         "slowest_rebound_seen": slowest,
@@ -289,7 +290,7 @@ def speed_of_share(context: Context, contact: Contact, share: float) -> float:
     for fast, slow in pairwise(np.geomspace(context.speed, limit, POINTS)):
         if excess(slow) < 0.0:
             return root(excess, slow, fast, absolute=1e-14, relative=1e-14)
-    raise ValueError(f"restitution never falls to {share:g} of its plateau")
+    raise NotComputable(f"restitution never falls to {share:g} of its plateau")
 
 
 @Claim(
@@ -388,7 +389,7 @@ def c62(context: Context, *, speeds_m_per_s: tuple[Positive, ...]) -> Numbers:
     """
     table, events = context.table("pairing_quality"), context.params.sampling.events
     if missing := sorted({*speeds_m_per_s} - {*table["speed_m_per_s"]}):
-        raise ValueError(f"C62.speeds_m_per_s: no pairs were sought at {missing}")
+        raise NotComputable(f"C62.speeds_m_per_s: no pairs were sought at {missing}")
     chosen = table[table["speed_m_per_s"].isin(speeds_m_per_s)]
     numbers = {}
     for name, counted in (("precision", "pairs"), ("recall", "recorded_pairs")):
@@ -499,7 +500,7 @@ def c64(
         rebounds = [row[row > 0.0] for row in e]
         rebounding = np.array([len(row) >= sampling.events for row in rebounds])
         if not rebounding.any():
-            raise ValueError(f"C64: at no speed do {sampling.events} spheres of a class rebound")
+            raise NotComputable(f"C64: at no speed do {sampling.events} spheres of a class rebound")
         known = [row for row, enough in zip(rebounds, rebounding, strict=True) if enough]
         curve = np.array([[row.mean()] for row in known])
         sample = np.array(
@@ -533,7 +534,7 @@ def fallen_speed(speed: FloatArray, restitution: FloatArray, share: float) -> Fl
     aim = share * restitution[-1]
     below = restitution < aim
     if not below.any(axis=0).all():
-        raise ValueError(f"C64.speeds_m_per_s: restitution does not fall to {share:g} at them")
+        raise NotComputable(f"C64.speeds_m_per_s: restitution does not fall to {share:g} at them")
     last = len(speed) - 1 - np.argmax(below[::-1], axis=0)
     column = np.arange(restitution.shape[1])
     low, high = restitution[last, column], restitution[last + 1, column]
@@ -656,8 +657,8 @@ def first_pile(
 ) -> float:
     """Return the highest speed (m/s) at which the share that counts as a pile rests on a target.
 
-    The slowest of the speeds tried, if there is no pile at any of them. Raises ValueError if none
-    was tried with the capture velocity.
+    The slowest of the speeds tried, if there is no pile at any of them. Raises NotComputable if
+    none was tried with the capture velocity.
 
     Parameters
     ----------
@@ -671,7 +672,7 @@ def first_pile(
     rows = table[(table["target_radius_mm"] == radius) & (table["slope_deg"] == slope)]
     rows = rows[np.isclose(rows["capture_velocity_m_per_s"], velocity)]
     if rows.empty:
-        raise ValueError(f"pile_up: no row with capture_velocity_m_per_s {velocity:g}")
+        raise NotComputable(f"pile_up: no row with capture_velocity_m_per_s {velocity:g}")
     speed, share = (rows[name].to_numpy(float) for name in ("speed_m_per_s", "share_on_target"))
     return float(speed[0]) if np.all(share < wanted) else onset(speed, share, wanted)
 

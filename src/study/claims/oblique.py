@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.core.solve import IntArray, root, threshold
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.lab.events import Impacts
@@ -189,7 +190,7 @@ def c11(context: Context, *, angles_deg: AngleRange) -> Numbers:
         seen = np.asarray(measured_restitution(np.radians(angles), np.radians(slopes), e, mu))
         free = ~impact.captured
         if not free.any():
-            raise ValueError(f"C11.angles_deg: no rebound at {context.speed:g} m/s")
+            raise NotComputable(f"C11.angles_deg: no rebound at {context.speed:g} m/s")
         true.append(e[free].max())
         measured.append(seen[free].max())
         bounded.append((seen * np.sin(np.radians(angles)))[free].max())
@@ -407,7 +408,7 @@ def found_regions(context: Context, dropped: Dropped) -> Numbers:
     mean, error = np.array(means, dtype=float).T
     known = np.isfinite(mean)
     if not known.any():
-        raise ValueError("at no angle is there a mean of rebounds")
+        raise NotComputable("at no angle is there a mean of rebounds")
     parts = regions(angle[known], mean[known], error[known], CONSTANT_WITHIN)
     width = sum(part["width_deg"] for part in parts if part["region"] == "transition")
     kinds = {part["region"] for part in parts}
@@ -735,12 +736,12 @@ def class_mean(
 ) -> Estimate:
     """Return the mean restitution of the rebounds of a speed class at one angle.
 
-    Raises ValueError if too few rebound.
+    Raises NotComputable if too few rebound.
     """
     of_class = replace(dropped, **asdict(speed_class))
     if not context.seen(of_class, angle).measured:
         speed = speed_class.speed_m_per_s
-        raise ValueError(f"of the class at {speed:g} m/s no sphere rebounds at {angle:g} deg")
+        raise NotComputable(f"of the class at {speed:g} m/s no sphere rebounds at {angle:g} deg")
     return context.mean("restitution", of_class, angle)
 
 

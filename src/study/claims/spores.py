@@ -9,6 +9,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.statistics.intervals import ERROR_BAR
 from study.claims.claim import RIDGE, Claim, Number, untestable
 from study.claims.context import (
@@ -176,7 +177,7 @@ def trend(context: Context, mechanism: str, quantity: str, angles: tuple[float, 
 
     The sample is large: its error is about that of means of as many events as rebound at 15 deg.
 
-    Raises ValueError if the table has no trend between these angles, or so few rebound at one of
+    Raises NotComputable if the table has no trend between these angles, or so few rebound at one of
     them that there is none to see.
     """
     row = context.table("spore_trends", mechanism=mechanism).iloc[0]
@@ -185,7 +186,7 @@ def trend(context: Context, mechanism: str, quantity: str, angles: tuple[float, 
         raise ValueError(f"spore_trends: no column {column}_over_half_width")
     value, rebounds = row[f"{column}_over_half_width"], row["rebounds_at_15_deg"]
     if not np.isfinite(value):
-        raise ValueError(f"spore_trends: too few rebounds for {column}, {mechanism}")
+        raise NotComputable(f"spore_trends: too few rebounds for {column}, {mechanism}")
     return Estimate(value, np.sqrt(context.params.sampling.events / rebounds) / ERROR_BAR)
 
 

@@ -46,6 +46,20 @@ class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mi
         return content
 
 
+def _number(loader: Any, node: Any) -> Any:
+    """Return a number, but none that YAML 1.1 reads in base 8 or 60."""
+    if re.match(r"[-+]?(0[0-7_]+$|.*:)", node.value):
+        raise yaml.MarkedYAMLError(
+            problem="a number with a leading zero or a colon is read in base 8 or 60",
+            problem_mark=node.start_mark,
+        )
+    return getattr(loader, f"construct_yaml_{node.tag.rpartition(':')[2]}")(node)
+
+
+for _tag in ("int", "float"):
+    _Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", _number)
+
+
 def load(path: Path | str) -> dict[str, Any]:
     """Read a YAML file that holds a mapping.
 

@@ -104,7 +104,7 @@ def problems(node: Mapping[str, object], *, beside: bool) -> Iterator[str]:
         yield f".values: {node['values']!r} must be a list"
     if beside and not has_words:
         return
-    if node.get("evidence") not in EVIDENCE:
+    if node.get("evidence") not in list(EVIDENCE):
         yield f".evidence: {node.get('evidence')!r} must be one of {', '.join(EVIDENCE)}"
     source = node.get("source")
     if not isinstance(source, str) or not source.strip():

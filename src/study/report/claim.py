@@ -76,10 +76,8 @@ def judged(
     branch = made.settings.branches[STUDY]
     claim = declared_claims(branch)[name]
     if folder and not changes and not contacts:
-        numbers, draws = (
-            read_table(folder / f"tables/{table}.csv").query("claim == @name")
-            for table in (STUDY, "claim_draws")
-        )
+        tables = (read_table(folder / f"tables/{table}.csv") for table in (STUDY, "claim_draws"))
+        numbers, draws = (table[table["claim"] == name] for table in tables)
     else:
         if contacts:
             made.update({table: contacts(made[table]) for table in CONTACTS})

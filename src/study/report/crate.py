@@ -19,7 +19,7 @@ from typing import Any
 from rocrate.model.contextentity import ContextEntity
 from rocrate.rocrate import ROCrate
 
-from microimpact.core.files import require_unaltered, write_file
+from microimpact.core.files import write_file
 from study.report.check import results as run_results
 from study.report.check.results import TABLE_FOLDERS, ResultsError
 from study.run.stamp import STAMP, git_state
@@ -46,11 +46,10 @@ def write_crate(results: Path, project: Path) -> Path:
 
     The same results and the same project give the same bytes. The subfolder ``crate`` is written
     anew. Raises ResultsError if the folder holds no finished run, or the project is not the one
-    that was run; AlteredError if results are not as the run wrote them.
+    that was run.
     """
     run_results.require_results(results)
     made = _files(results, *(f"{folder}/**/*" for folder in RESULTS))
-    require_unaltered(results, [results / name for name in made])
     stamp = _finished(results / STAMP, project)
     inputs = declared_inputs(stamp["config"], project)
     # Without metadata a crate that was not finished is none.
@@ -105,7 +104,6 @@ def _finished(path: Path, project: Path) -> dict[str, Any]:
     if not path.is_file():
         raise ResultsError(f"{path}: missing; a run writes it when the last result is there")
     stamp = run_results.read_json(path)
-    run_results.require_current(path, stamp)
     if lacking := [name for name in ("started", "git", "config") if not stamp.get(name)]:
         raise ResultsError(f"{path}: has no {', '.join(lacking)}")
     if not stamp.get("ended"):

@@ -10,7 +10,7 @@ import json
 import os
 import platform
 import subprocess
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -24,6 +24,8 @@ from study.declared.references import FROM, is_reference
 
 STAMP = "run.json"
 NO_FILES: Mapping[str, str] = {}
+# Other files, as an overlay in the clone, decide nothing of what is shipped.
+DECIDING = ("Snakefile", "config", "requirements", "src", "workflow")
 PACKAGES = (
     *("microimpact", "numpy", "scipy", "pandas"),
     *("matplotlib", "numba", "pydantic", "snakemake"),
@@ -115,7 +117,6 @@ def write_stamp(
     started: datetime,
     *,
     ended: datetime | None = None,
-    outdated: Sequence[str] = (),
     files: Mapping[str, str] = NO_FILES,
 ) -> None:
     """Write the stamp of a run as JSON.
@@ -132,15 +133,12 @@ def write_stamp(
         Begin of the run, see `run_date`.
     ended
         End of a run that went well; None while it goes on, and after a failure.
-    outdated
-        Results of earlier runs with other inputs.
     files
         Checksums of the declared files, see `checksums`.
     """
     stamp = {
         "started": started.isoformat(),
         "ended": ended and ended.isoformat(),
-        "outdated": list(outdated),
         **origin(config, project),
         "files": dict(files),
         "config": config,
@@ -182,7 +180,10 @@ def origin(config: Mapping[str, Any], project: Path | str) -> dict[str, Any]:
 
 
 def git_state(project: Path) -> dict[str, str | bool | None]:
-    """Return commit and dirty flag of a project; both None if it is no git checkout."""
+    """Return commit of a project, and whether what decides its results differs from it.
+
+    Both are None if it is no git checkout.
+    """
 
     def git(*arguments: str) -> str:
         command = ["git", "-C", str(project), *arguments]
@@ -193,6 +194,6 @@ def git_state(project: Path) -> dict[str, str | bool | None]:
     with suppress(OSError, subprocess.SubprocessError):
         # A project copied into some other repository has no commit of its own.
         if Path(git("rev-parse", "--show-toplevel")).resolve() == project.resolve():
-            dirty = bool(git("status", "--porcelain"))
+            dirty = bool(git("status", "--porcelain", "--", *DECIDING))
             return {"commit": git("rev-parse", "--verify", "HEAD"), "dirty": dirty}
     return {"commit": None, "dirty": None}

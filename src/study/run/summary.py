@@ -14,46 +14,40 @@ from study.tables import NOT_COMPUTED
 FEW = 6
 
 
-def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) -> str:
-    """Return a few lines on a run.
+def summary(results: Path, made: Sequence[str] = ()) -> str:
+    """Return a few lines on a run, or on what stands in its results.
 
     Parameters
     ----------
     results
         Results root.
     made
-        Files made by the run, relative to the root.
-    outdated
-        Files left by an earlier run with other inputs.
+        Files made by the run, relative to the root; none if all was up to date.
 
     Returns
     -------
     str
-        One line each on files, what could not be computed, verdicts of a full run, outdated files,
-        and the page to open.
+        One line each on files, what could not be computed, and of a full run verdicts and the page
+        to open.
     """
-    shown = [n for n in made if not n.startswith("figures/") or n.endswith(".svg")]
+    stands = sorted(path.relative_to(results).as_posix() for path in results.glob("*/*"))
+    names = made or [name for name in stands if (results / name).is_file()]
+    shown = [n for n in names if not n.startswith("figures/") or n.endswith(".svg")]
     if len(shown) > FEW:
         figures = [name for name in shown if name.startswith("figures/")]
         others = [name for name in shown if name.startswith(("data/", "tables/"))]
         counts = Counter(name.partition("/")[0] for name in others + figures * (len(figures) > FEW))
         shown = figures * (len(figures) <= FEW)
         shown += [f"{count} in {folder}/" for folder, count in sorted(counts.items())]
-    lines = [f"In {results}: {', '.join(shown) or 'nothing was made anew'}."]
-    tables = [results / name for name in made if name.startswith(("tables/", "data/"))]
+    lines = [f"In {results}: {', '.join(shown) or 'nothing'}."]
+    tables = [results / name for name in names if name.startswith(("tables/", "data/"))]
     reasons = (why for table in tables for why in _cells(table, NOT_COMPUTED, "problem"))
     lines += dict.fromkeys(f"Not computed: {why}." for why in reasons)
-    if "report/index.html" in made:
+    if (page := results / "report/index.html").is_file():
         for name, words in (("claims", "Claims of the article"), ("equations", "Its equations")):
             judged = verdicts(_cells(results / f"tables/{name}.csv", "verdict"))
             numbers = ", ".join(f"{count} {verdict}" for verdict, count in judged.items())
             lines += [f"{words}: {numbers}."] if numbers else []
-    if outdated:
-        number = f"{len(outdated)} results" if len(outdated) > 1 else outdated[0]
-        lines.append(
-            f"Made earlier, from other inputs: {number}. Without a target, all is renewed."
-        )
-    if (page := results / "report/index.html").is_file():
         lines.append(f"Open {page}")
     return "\n".join(lines)
 

@@ -33,6 +33,8 @@ CASES = [
     (CONFIG, "seed: {value: 20011,", "seed: {value: *nowhere,", ["config.yaml, line 9", "undefined alias"]),
     (CONFIG, "seed: {", "seed: !!python/object/apply:os.system ['true']\nother: {", ["config.yaml, line 9", "could not determine a constructor"]),
     (CONFIG, "value: 20011", "value: " + "9" * 5000, ["config.yaml", "not valid YAML", "digits"]),
+    (CONFIG, "value: 20011", "value: 0777", ["config.yaml, line 9", "a leading zero", "'0777"]),
+    (CONFIG, "value: 20011", "value: 1:30", ["config.yaml, line 9", "a colon is read in base 8 or 60", "'1:30"]),
     # keys
     (CONFIG, "seed: {", "sead: {", ["sead: unknown key (did you mean 'seed'?)", "seed: missing"]),
     (MODELS, "coulomb_friction:", "coulomb_frction:", ["did you mean 'coulomb_friction'?", "coulomb_friction: missing"]),
@@ -44,6 +46,7 @@ CASES = [
     (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "[0.70]"), ["cases.steel-mirror front.restitution.value", "single value"]),
     (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", ""), ["cases.steel-mirror front.restitution"]),
     (LABORATORY, RESTITUTION, RESTITUTION.replace("derived", "guessed"), ["cases.steel-mirror front.restitution.evidence: 'guessed' must be one of"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("derived", "[derived]"), ["cases.steel-mirror front.restitution.evidence: ['derived'] must be one of"]),
     (LABORATORY, RESTITUTION, RESTITUTION.replace("value:", "vale:"), ["cases.steel-mirror front.restitution"]),
     (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: 0.05", ["fig17_coulomb_friction.friction.values: 0.05 must be a list"]),
     (MODELS, "friction: {values: [0.05, 0.10", "friction: {values: [0.05, -0.10", ["fig17_coulomb_friction.friction[1]: -0.1"]),

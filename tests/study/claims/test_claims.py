@@ -168,10 +168,8 @@ def test_a_wrong_form_changes_the_verdict(name, claims, numbers, world):
 @pytest.mark.parametrize("name", MUTE)
 def test_a_mute_break_finds_the_verdict_that_stands_already(name, claims, numbers, world):
     control = CONTROLS[name]
-    if control.is_data:
-        broken = judged_with(name, control).numbers
-    else:
-        broken = BREAKS[name](name, world)
+    is_data = control.is_data
+    broken = judged_with(name, control).numbers if is_data else BREAKS[name](name, world)
     assert verdict_of(claims, name, numbers) == control.expect
     assert verdict_of(claims, name, broken) == control.expect
     own = numbers[numbers["claim"] == name]

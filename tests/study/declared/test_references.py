@@ -99,6 +99,13 @@ def test_a_reference_gives_the_fields_that_are_wanted():
     assert row(resolver, "study.fast_m_per_s").evidence == "assumed"
 
 
+def test_of_several_places_the_first_that_has_a_field_gives_it():
+    beside = {"speeds": {"fast, 1": {"diameter_um": given(1.0)}}}
+    resolver, study = resolved(beside)
+    assert not resolver.problems
+    assert study["drops"]["a"]["diameter_um"] == {"kind": "normal", "mean": 49, "sd": 9.0}
+
+
 def test_a_value_beside_a_reference_is_told_as_one_in_its_place():
     resolver, _ = resolved()
     assert row(resolver, "study.drops.b.spin.mean").overrides == "spins.none.mean = 0"

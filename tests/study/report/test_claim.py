@@ -1,10 +1,12 @@
 """The command that tells one claim: words and numbers, a changed input, one line for bad input."""
 
+import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-from study.report.claim import changed, tell
+from study.report.claim import changed, judged, tell
 from study.report.commands import commands
+from study.tables import write_table
 
 
 @pytest.fixture
@@ -26,6 +28,19 @@ def test_a_claim_is_told_with_all_that_decides_it(nowhere):
     ):
         assert part in text
     assert not nowhere.exists()
+
+
+def test_the_numbers_of_a_run_are_told(tmp_path, monkeypatch):
+    numbers = judged("C58").numbers.assign(value=0.05)
+    others = numbers.assign(claim="C57", value=1.0)
+    for name, table in (("claim_numbers", pd.concat([others, numbers])), ("claim_draws", others)):
+        write_table(table, tmp_path / f"tables/{name}.csv")
+    facts = pd.DataFrame(columns=["fact", "claim", "verdict"])
+    write_table(facts, tmp_path / "tables/external_evidence.csv")
+    monkeypatch.setattr("study.report.claim._shipped", lambda folder: True)
+    text = tell("C58", {}, tmp_path)
+    assert "0.05 (annealed)" in text
+    assert f"Numbers: {tmp_path}" in text
 
 
 @pytest.mark.parametrize(

@@ -117,7 +117,6 @@ def test_the_same_run_gives_the_same_bytes_and_no_leftovers(tmp_path):
     [
         ({"git": None}, "run.json: has no git"),
         ({"ended": None}, "the run has not ended well"),
-        ({"outdated": ["data/fig14.csv"]}, "from other inputs: data/fig14.csv;"),
         ({"config": {"materials": "/etc/hostname"}}, "materials: '/etc/hostname' must be"),
         ({"git": {"commit": "abc", "dirty": False}}, "is of commit abc, the project is at"),
     ],

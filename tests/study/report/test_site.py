@@ -166,17 +166,12 @@ def test_names_of_declared_rows():
     assert row_names(rows) == {"materials": ("silicon",), "contacts": ("steel on silicon",)}
 
 
-def test_the_command_writes_the_site_of_a_run_but_not_of_several_inputs(few):
+def test_the_command_writes_the_site_of_a_run(few):
     root, record = few
     write_record(root, record.plain())
     done = CliRunner().invoke(commands, ["report", str(root)])
     assert done.exit_code == 0, done.output
     assert (root / "report/files/figures/fig14.svg").is_file()
-    (root / "report/index.html").unlink()
-    (root / "run.json").write_text('{"outdated": ["data/fig14.csv"]}')
-    done = CliRunner().invoke(commands, ["report", str(root)])
-    assert "made earlier, from other inputs: data/fig14.csv" in str(done.exception)
-    assert not (root / "report/index.html").exists()
 
 
 def test_a_record_is_read_again_and_refused_where_it_lacks_a_part(few):

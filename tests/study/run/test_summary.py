@@ -6,6 +6,7 @@ import json
 from datetime import UTC, datetime
 
 import pytest
+from tests.shared import execute
 
 from study.run import stamp as runstamp
 from study.run.summary import summary
@@ -18,12 +19,14 @@ def test_a_whole_run_in_a_few_lines(tmp_path):
     for name in names:
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text("verdict\nreproduced\nnot reproduced\nreproduced\n")
-    assert summary(tmp_path, names).splitlines() == [
-        f"In {tmp_path}: 25 in figures/, 2 in tables/.",
-        "Claims of the article: 2 reproduced, 1 not reproduced.",
-        "Its equations: 2 reproduced, 1 not reproduced.",
-        f"Open {tmp_path}/report/index.html",
-    ]
+    # After a run that made all, and after one that found nothing to do.
+    for made in (names, ()):
+        assert summary(tmp_path, made).splitlines() == [
+            f"In {tmp_path}: 25 in figures/, 2 in tables/.",
+            "Claims of the article: 2 reproduced, 1 not reproduced.",
+            "Its equations: 2 reproduced, 1 not reproduced.",
+            f"Open {tmp_path}/report/index.html",
+        ]
 
 
 FIGURE = ["figures/fig20.svg", "figures/fig20.png"]
@@ -32,15 +35,12 @@ FIGURE = ["figures/fig20.svg", "figures/fig20.png"]
 @pytest.mark.parametrize(
     ("made", "told"),
     [
-        ([], "nothing was made anew"),
         (["data/fig20.csv", *FIGURE], "data/fig20.csv, figures/fig20.svg"),
         ([*FIGURE, *(f"data/{n}.csv" for n in range(6))], "figures/fig20.svg, 6 in data/"),
     ],
 )
 def test_few_files_are_named(tmp_path, made, told):
-    lines = summary(tmp_path, made, ["tables/doe_effects.csv", "data/fig24.csv"]).splitlines()
-    assert lines[0] == f"In {tmp_path}: {told}."
-    assert lines[1].startswith("Made earlier, from other inputs: 2 results. Without a target,")
+    assert summary(tmp_path, made) == f"In {tmp_path}: {told}."
 
 
 def test_what_could_not_be_computed_is_told_once(tmp_path):
@@ -62,13 +62,31 @@ def test_stamp(tmp_path, monkeypatch):
     # A run that is killed leaves this.
     assert json.loads(path.read_text())["ended"] is None
     ended = runstamp.run_date()
-    runstamp.write_stamp(path, config, tmp_path, started, ended=ended, outdated=["data/fig17.csv"])
+    runstamp.write_stamp(path, config, tmp_path, started, ended=ended)
     stamp = json.loads((tmp_path / "run.json").read_text())
     assert stamp["seed"] == 7
     assert stamp["started"] == "1969-12-31T23:00:00+00:00"
     assert stamp["ended"] == "1970-01-02T00:00:00+00:00"
-    assert stamp["outdated"] == ["data/fig17.csv"]
     assert stamp["git"] == {"commit": None, "dirty": None}
+
+
+def test_only_what_decides_results_makes_a_commit_dirty(tmp_path):
+    def git(*arguments):
+        identity = ("-c", "user.name=a", "-c", "user.email=a@b")
+        return execute("git", "-C", str(tmp_path), *identity, *arguments).stdout.strip()
+
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src/code.py").write_text("x = 1\n")
+    git("init", "-q")
+    git("add", ".")
+    git("commit", "-q", "-m", "a")
+    (tmp_path / "my-run.yaml").write_text("seed: 1\n")
+    commit = git("rev-parse", "HEAD")
+    assert runstamp.git_state(tmp_path) == {"commit": commit, "dirty": False}
+    for file in ("src/code.py", "src/new.py"):
+        (tmp_path / file).write_text("x = 2\n")
+        assert runstamp.git_state(tmp_path) == {"commit": commit, "dirty": True}
+        git("stash", "-q")
 
 
 def test_an_overlay_that_changes_inputs_needs_a_folder_of_its_own():

@@ -30,6 +30,7 @@ from microimpact.core.arrays import (
     choice,
     common_shape,
 )
+from microimpact.core.computable import NotComputable
 from microimpact.core.plausible import PLAUSIBLE, warn_caller
 from microimpact.core.readable import Readable
 from microimpact.model import passes
@@ -488,19 +489,19 @@ def chosen_basis(contact: Contact, friction_basis: object, tangential: object = 
     basis = choice("friction_basis", friction_basis, (*FRICTION_BASES, PULL_OFF))
     compliant = choice("tangential", tangential, TANGENTIAL_LAWS) != "rigid"
     if compliant and contact.law is not None:
-        raise ValueError(
+        raise NotComputable(
             f"tangential {tangential!r} is for the law {RING_FORCE!r}, got {contact.law.name!r}: "
             f"take 'rigid', with friction_basis {PULL_OFF!r} if adhesion is to support friction"
         )
     if compliant and basis == "net":
         allowed = " or ".join(map(repr, FRICTION_BASES[:2]))
-        raise ValueError(
+        raise NotComputable(
             f"friction_basis must be {allowed} with tangential {tangential!r}, got 'net': a limit "
             "that adhesion makes negative is none"
         )
     if basis == (PULL_OFF if contact.law is None else "hertz"):
         law = contact.law.name if contact.law else RING_FORCE
-        raise ValueError(f"friction_basis {basis!r} does not go with the law {law!r}")
+        raise NotComputable(f"friction_basis {basis!r} does not go with the law {law!r}")
     return basis
 
 

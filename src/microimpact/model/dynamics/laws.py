@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, Columns, FloatArray, Real, common_shape
+from microimpact.core.computable import NotComputable
 from microimpact.core.solve import roots
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
@@ -115,7 +116,7 @@ def scaled(contact: Contact, speed: Real) -> tuple[Problem, Scales, tuple[int, .
     drag = 1.5 * flat(time) * unit_speed / length
     stiff = (drag > LARGEST_DRAG) & (drag * np.cbrt(closed) <= viscous.OVERDAMPED)
     if np.any(stiff):
-        raise ValueError(
+        raise NotComputable(
             f"law.viscous_time must be at most {(flat(time) * LARGEST_DRAG / drag)[stiff].min():g} "
             f"s at these speeds, got {flat(time)[stiff].max():g}"
         )

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real, common_shape
+from microimpact.core.computable import NotComputable
 from microimpact.model import passes
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel, laws
@@ -187,12 +188,12 @@ def _require_computable(speed: Real, velocity_scale: Real, damping: Real) -> Non
     if slow is False and heavy is False:
         return
     if np.any(slow):
-        raise ValueError(
+        raise NotComputable(
             f"speed must be at least {SMALLEST_SPEED:g} of the contact's velocity scale, "
             f"got {np.broadcast_to(speed, np.shape(slow))[slow][0]:g} m/s"
         )
     if np.any(heavy):
-        raise ValueError(
+        raise NotComputable(
             f"hertz_damping times speed must be at most {LARGEST_DAMPING:g}, "
             f"got {np.max(damping):g}"
         )

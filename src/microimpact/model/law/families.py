@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real
+from microimpact.core.computable import NotComputable
 from microimpact.model import passes
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics import kernel
@@ -31,7 +32,7 @@ SAME = 1e-14
 MARGIN = 1e-6
 
 
-class NoTableError(ValueError):
+class NoTableError(NotComputable):
     """These impacts cannot be interpolated."""
 
 

@@ -15,6 +15,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
+from microimpact.core.computable import NotComputable
 from microimpact.model.calibration import (
     NoSolutionError,
     damping_factor_for,
@@ -42,7 +43,6 @@ from study.declared.parameters import (
 )
 from study.tables import (
     NOT_COMPUTED,
-    UNCOMPUTABLE,
     NotComputedError,
     Row,
     Tables,
@@ -290,7 +290,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     for key, case, pair, solve in _cases(params, known, inputs):
         try:
             contact, met = solve()
-        except UNCOMPUTABLE as error:
+        except NotComputable as error:
             known[case] = NotComputedError(reason(f"calibration.{key}", error))
             bodies = {"particle": pair.particle, "surface": pair.surface}
             why = {"role": NOT_COMPUTED, "problem": str(known[case]), "evidence": "calibrated"}
@@ -302,7 +302,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     try:
         least, nominal, greatest = (_contact(known, case) for case in CORNERS)
         intervals = capture_intervals(params.force_ratios, (least, nominal, greatest))
-    except UNCOMPUTABLE as error:
+    except NotComputable as error:
         intervals = not_computed(reason("calibration.force_ratios", error))
     members = {
         case: member for case in targets.members if isinstance(member := known[case], Contact)

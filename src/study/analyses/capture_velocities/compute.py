@@ -17,6 +17,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import Real
+from microimpact.core.computable import NotComputable
 from microimpact.model.closed_forms import (
     adhesion_energy,
     brach_dunn_velocity,
@@ -90,7 +91,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         limit = float(capture_velocity(contact))
         if not 0.0 < limit < np.inf:
             complaint = f"a capture velocity of {limit:g} m/s has no law beside it"
-            raise ValueError(f"{case}: {complaint}")
+            raise NotComputable(f"{case}: {complaint}")
         printed = printed_capture_velocity(inputs, contact)
         laws = laws_of(pair, contact)
         # Of these capture velocities only this model's can have been fitted.

@@ -12,6 +12,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.model.dynamics.impact import velocity_components
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
@@ -121,7 +122,7 @@ def wavy_surface(params: WavySurface) -> pd.DataFrame:
     A slope that faces the sphere, which moves towards +t, has phi > 0: the local angle of
     incidence is alpha + phi (Eqs. 35, 36).
 
-    Raises ValueError if the surface does not face the sphere there, or the sphere would touch it
+    Raises NotComputable if the surface does not face the sphere there, or the sphere would touch it
     elsewhere too.
     """
     k = 2.0 * np.pi / params.wavelength_um
@@ -129,7 +130,7 @@ def wavy_surface(params: WavySurface) -> pd.DataFrame:
     slope = -params.amplitude_um * k * np.sin(k * params.place_um)
     alpha, phi = float(np.radians(params.angle_deg)), float(np.arctan(slope))
     if alpha + phi <= 0.0:
-        raise ValueError(
+        raise NotComputable(
             f"wavy_surface.place_um: {params.place_um} has a slope of {np.degrees(phi):.1f} deg, "
             f"away from a sphere that comes at {params.angle_deg} deg; the sum must be positive"
         )
@@ -142,7 +143,7 @@ def wavy_surface(params: WavySurface) -> pd.DataFrame:
     centre = radius * n_local
     near = np.linspace(-2.0 * radius, 2.0 * radius, 4001)
     if np.hypot(near - centre[0], height(near) - centre[1]).min() < radius * (1.0 - 1e-6):
-        raise ValueError(
+        raise NotComputable(
             f"wavy_surface.diameter_um: a sphere of {params.diameter_um} um would touch the "
             "surface elsewhere too; it must fit into the trough"
         )
@@ -243,7 +244,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``fig01``, ``fig02``: parts of the set-ups, mm on the drawing. ``fig03``, ``fig13``: velocities,
     and impulses over the mass, m/s; a spin is the speed of the rim. ``fig19``: section of the
     sphere, um; ``fig19_pressure``: Hertz pressure, GPa, over the radius; ``fig19_ring``: force per
-    length of the edge, N/m. ``fig22``: surface and axes, um. Raises ValueError
+    length of the edge, N/m. ``fig22``: surface and axes, um. Raises NotComputable
     if the sphere of Fig. 22 cannot touch the surface at its place.
     """
     motion = velocities(params.rebound, params.rebound.angle_deg, params.rebound.spin_ratio)

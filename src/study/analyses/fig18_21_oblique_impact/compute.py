@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -68,7 +69,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     changes = {"diameter": params.diameter_um * 1e-6, "friction": params.friction}
     contact = calibrated_contact(inputs, params.case, **changes)
     if capture_angle(params, contact) >= 90.0:
-        raise ValueError(
+        raise NotComputable(
             f"oblique_impact: at {params.speed_m_per_s:g} m/s the sphere is captured at every angle"
             f" (capture velocity {float(capture_velocity(contact)):.4g} m/s)"
         )

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
+from microimpact.core.computable import NotComputable
 from microimpact.lab.surface import Rules
 from microimpact.statistics.distributions import Constant, Normal
 from microimpact.statistics.intervals import student_half_width
@@ -147,7 +148,7 @@ def _rough(params: Params, name: str, surface: Ensemble, inference: Row) -> Ense
     if params.process.slope is not None:
         return replace(surface, slope=params.process.slope)
     if not inference["reached"]:
-        raise ValueError(
+        raise NotComputable(
             f"variants.{name}: no slope gives a restitution of "
             f"{params.slope_inference.restitution:g} at {params.slope_inference.angle_deg:g} deg; "
             "declare process.slope"

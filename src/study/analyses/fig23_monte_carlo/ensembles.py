@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.lab.events import IntArray
 from microimpact.lab.surface import Rules, Strike, Surface, collide
 from microimpact.model import passes
@@ -111,7 +112,7 @@ class RigidBody:
         limit = np.asarray(capture_velocity(spheres))
         odd = size[~(np.isfinite(limit) & (limit > 0.0))]
         if odd.size:
-            raise ValueError(
+            raise NotComputable(
                 f"process.diameter_um: spheres of {odd.max():.3g} um have no capture velocity; "
                 "narrow the distribution"
             )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
@@ -182,7 +183,7 @@ def _experiment(
 def _require_finite(case: str, variation: str, response: FloatArray) -> None:
     bad = np.flatnonzero(~(np.isfinite(response) & (response > 0.0)))
     if bad.size:
-        raise ValueError(
+        raise NotComputable(
             f"doe: {case!r}, {variation} levels: run {bad[0]} has no finite, positive capture"
             f" velocity ({response[bad[0]]} m/s); nominal values are run 0, the others are in"
             f" standard order of {', '.join(LETTERS)}"

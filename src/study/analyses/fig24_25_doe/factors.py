@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.computable import NotComputable
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.model.contact import Contact, hertz_stiffness
 from microimpact.model.dynamics.capture import capture_velocity, threshold
@@ -97,7 +98,7 @@ def flat_family(contact: Contact, inputs: Tables) -> pd.DataFrame:
     flat = family["solved"] & (family["plateau_of_e_holds"] == True)  # noqa: E712  or missing
     members = family[flat & (family["rate_exponent"] == exponent)]
     if len(members) < 2:
-        raise ValueError(
+        raise NotComputable(
             "calibration.two_stage.works_of_adhesion_J_per_m2: must give two members or more with "
             f"n = {exponent:g} and a level restitution, gives {len(members)}"
         )
@@ -196,7 +197,7 @@ def elasticities(contact: Contact) -> Elasticities:
     """
     limit = float(capture_velocity(contact))
     if not 0.0 < limit < np.inf:
-        raise ValueError(f"an elasticity needs a finite, positive capture velocity, got {limit}")
+        raise NotComputable(f"an elasticity needs a finite, positive capture velocity, got {limit}")
     scale = contact.velocity_scale
     groups = np.array([contact.hertz_damping, contact.adhesion_damping_at(limit)]) * scale
     moves = np.array([[STEP, 0.0], [-STEP, 0.0], [0.0, STEP], [0.0, -STEP]])

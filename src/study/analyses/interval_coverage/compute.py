@@ -13,6 +13,7 @@ from numpy.random import Generator
 from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.core.constants import gravity
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.events import Impacts, IntArray, Measured
@@ -205,7 +206,7 @@ def _share(good: BoolArray) -> float:
 def _enough(events: int, share: float) -> int:
     """Return how many must be looked at to be sure of so many events."""
     if share <= 0.0:
-        raise ValueError(f"no event in the speed range can be measured: {events} are wanted")
+        raise NotComputable(f"no event in the speed range can be measured: {events} are wanted")
     # n p - SPARE sqrt(n p (1 - p)) = events
     spread = 0.5 * SPARE * np.sqrt(1.0 - share)
     return int(np.ceil((spread + np.sqrt(spread**2 + events)) ** 2 / share))
@@ -214,7 +215,7 @@ def _enough(events: int, share: float) -> int:
 def _first(measured: Measured, good: BoolArray, events: int) -> Measured:
     """Return the first good events of each experiment, shape (experiments, events)."""
     if np.any(good.sum(axis=1) < events):
-        raise ValueError(f"too few events in some experiments: {events} are wanted")
+        raise NotComputable(f"too few events in some experiments: {events} are wanted")
     order = np.argsort(~good, axis=1, kind="stable")[:, :events]
     return measured.select((np.arange(len(order))[:, None], order))
 
@@ -289,7 +290,7 @@ def run(params: Params, inputs: Tables) -> Tables:
             }
             try:
                 row |= coverage(params, drop, case.simulated, rng)
-            except ValueError as error:
+            except NotComputable as error:
                 where = f"interval_coverage.cases.{name}, {speed:g} m/s, {angle:g} deg"
                 row["problem"] = reason(where, error)
             rows.append(row | {"evidence": "virtual experiment"})

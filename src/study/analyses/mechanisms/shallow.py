@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.model.calibration import hertz_damping_for
 from study.declared.parameters import CaseName, Count, Fraction, NonNegative, Positive
 from study.samples import Dropped, Sample, Sampling
@@ -83,7 +84,7 @@ def _curve(params: Shallow, sample: Sample, speed: float, normal_speed: FloatArr
     free = [one.captured_share <= MOST_CAPTURED for one in samples]
     ratio = np.where(free, [one.means["impulse_ratio"].value for one in samples], np.nan)
     if np.sum(np.isfinite(ratio)) < FEWEST_MEANS:
-        raise ValueError(
+        raise NotComputable(
             f"shallow.speeds_m_per_s: at {speed:g} m/s nearly all spheres are captured below "
             f"{STEEPEST_DEG:g} deg; there is nothing to compare"
         )

@@ -18,6 +18,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.core.constants import gravity
 from microimpact.lab.bounces import LATER_IMPACTS, generations, with_later_impacts
 from microimpact.lab.dispenser import Dispenser, Paths, arrivals
@@ -88,7 +89,7 @@ def dropped(
     is then as dense as declared, however few of all particles find the probe volume. Experiments
     come one after the other, each with times of its own.
 
-    Raises ValueError if hardly any particle falls through the probe volume.
+    Raises NotComputable if hardly any particle falls through the probe volume.
     """
     rng, drop = generator(setup.seed, *key), setup.drop(speed)
     through = partial(_through_probe, drop.paths, setup.instrument, speed)
@@ -104,7 +105,7 @@ def _through_probe(
     parts, released, crossed = [], 0, 0
     while crossed < n:
         if released >= MOST_RELEASED * n:
-            raise ValueError(
+            raise NotComputable(
                 f"particles: at {speed:g} m/s fewer than {n} of {released} fall through the probe"
                 " volume; make"
                 " probe_across_um or probe_along_um larger, or lateral_speed_m_per_s smaller"

@@ -17,6 +17,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.computable import NotComputable
 from microimpact.model.separation import (
     PLACEMENTS,
     CoatedParticle,
@@ -210,7 +211,7 @@ def combinations(params: Params) -> Combinations:
     )
     surface = 4.0 * np.pi * np.square(particle.radius)
     if np.any(patch_area(case.charge, case.breakdown_field) > surface):
-        raise ValueError(
+        raise NotComputable(
             f"breakdown_field_V_per_um {params.breakdown_field_V_per_um}: too low for "
             f"charge_to_mass_uC_per_g {params.charge_to_mass_uC_per_g}; the patches would cover "
             "more than the particle"

@@ -12,6 +12,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.computable import NotComputable
 from microimpact.core.constants import epsilon_0, gravity
 from microimpact.model.closed_forms import jkr_sticking_velocity
 from microimpact.model.contact import Contact, resized
@@ -245,7 +246,7 @@ def fallen_speed(params: Params, contact: Contact) -> float:
     plateau = float(simulate(contact, params.seen_from_m_per_s).coefficient_of_restitution)
     below = speed[(e < PLATEAU_SHARE * plateau) & (speed < params.seen_from_m_per_s)]
     if below.size == 0:
-        raise ValueError("speeds_m_per_s: restitution does not fall at any of them")
+        raise NotComputable("speeds_m_per_s: restitution does not fall at any of them")
     return float(below.max())
 
 
@@ -324,13 +325,13 @@ def energy_ratio(params: Params, contact: Contact, velocity: float) -> float:
 def chosen(table: pd.DataFrame, **where: float) -> pd.DataFrame:
     """Return the rows of a table with these numbers.
 
-    Raises ValueError if there is none.
+    Raises NotComputable if there is none.
     """
     for column, value in where.items():
         known = table
         table = known[np.isclose(known[column].astype(float), value)]
         if table.empty:
-            raise ValueError(f"{column}: {value:g} is not among {sorted(set(known[column]))}")
+            raise NotComputable(f"{column}: {value:g} is not among {sorted(set(known[column]))}")
     return table
 
 

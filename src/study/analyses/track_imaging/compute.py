@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.lab.events import Impacts
 from microimpact.lab.ptis.experiment import ImagedEvents, modelled, photographed
 from microimpact.lab.ptis.frames import render
@@ -190,15 +191,15 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``ptis_range``: per speed, angle and field of view, the chopper's setting, share observed, bias
     and scatter. ``ptis_frame``, ``ptis_pixels``: one frame with its track, or why none can be
-    measured. ``ptis_accuracy``: errors of the speed against the speed. Raises ValueError if nothing
-    can be measured at the angle drawn.
+    measured. ``ptis_accuracy``: errors of the speed against the speed. Raises NotComputable if
+    nothing can be measured at the angle drawn.
     """
     searched = pd.DataFrame(search(params))
     rendered = pd.DataFrame(rendered_range(params, searched))
     ranges = pd.concat([searched, rendered], ignore_index=True)
     try:
         frame, track = one_frame(params)
-    except ValueError as error:
+    except NotComputable as error:
         frame = track = not_computed(reason("track_imaging", error))
     return {
         "ptis_range": ranges,
@@ -277,7 +278,7 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> list[dict[str, Any
             seen = frames.reduced(setup, with_gravity=with_gravity)
             rows.append(_summary(setup, method, seen, true))
     if not rows:
-        raise ValueError(
+        raise NotComputable(
             f"drawn_angle_deg: at {params.drawn_angle_deg:g} deg no speed is measurable"
         )
     return rows
@@ -286,7 +287,7 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> list[dict[str, Any
 def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the pixels and the track of the first frame that is measured.
 
-    Raises ValueError if none of an experiment is.
+    Raises NotComputable if none of an experiment is.
     """
     case, pixel = params.frame, params.instrument.pixel_um
     setup = _setup(params, case.speed_m_per_s, case.angle_deg, pixel, FRAME_PITCH)
@@ -301,7 +302,7 @@ def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
         if track:
             return pixels(frame, track, setup), drawn_track(track, setup)
     where = f"{case.speed_m_per_s:g} m/s and {case.angle_deg:g} deg"
-    raise ValueError(f"frame: none of {len(true)} impacts at {where} can be measured")
+    raise NotComputable(f"frame: none of {len(true)} impacts at {where} can be measured")
 
 
 def accuracy(params: Params, ranges: pd.DataFrame) -> pd.DataFrame:

@@ -49,15 +49,6 @@ def require_results(root: Path) -> None:
         raise ResultsError(f"{root}: not a results folder: no files in {folders}")
 
 
-def require_current(path: Path, stamp: Mapping[str, Any]) -> None:
-    """Raise ResultsError, naming some, if a run stamp tells of results from other inputs."""
-    if outdated := stamp.get("outdated"):
-        names = ", ".join(outdated[:3]) + (", ..." if len(outdated) > 3 else "")
-        raise ResultsError(
-            f"{path}: made earlier, from other inputs: {names}; renew them with `snakemake`"
-        )
-
-
 def table_files(root: Path) -> dict[str, Path]:
     """Return the tables below a root by name (``data/fig14.csv``), declared inputs first.
 

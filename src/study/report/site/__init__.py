@@ -4,10 +4,13 @@ import shutil
 from pathlib import Path
 
 PAGES = ("index", "figures", "claims", "equations", "tables", "run", "glossary")
+# Made anew each time: pages of figures, copies of results and of code.
+FOLDERS = ("figures", "files")
 
 
 def remove(report: Path) -> None:
-    """Remove the pages of a report that shows results of other inputs; the explorer stays."""
+    """Remove the pages of a report that shows other results than there are; the explorer stays."""
     for name in (*(f"{page}.html" for page in PAGES), "record.json"):
         (report / name).unlink(missing_ok=True)
-    shutil.rmtree(report / "figures", ignore_errors=True)
+    for folder in FOLDERS:
+        shutil.rmtree(report / folder, ignore_errors=True)

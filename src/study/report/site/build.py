@@ -15,7 +15,7 @@ from microimpact.core.files import write_file
 from study.figures.declaration import FORMATS
 from study.judge import words
 from study.judge.counts import revisions
-from study.report.site import PAGES, ledgers
+from study.report.site import FOLDERS, PAGES, ledgers
 from study.report.site.exports import claims_json, schema_json
 from study.report.site.figures import Figure, departures, figures, label, studies_behind
 from study.report.site.formula import prose
@@ -25,8 +25,6 @@ from study.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
 from study.report.site.record import Record
 
 REPORT = "report"
-# Folders of the report that belong to the site alone: made anew each time.
-FOLDERS = ("figures", "files")
 # What is copied into the report, so that it can be moved and sent alone.
 COPIED = {
     "figures": tuple(f"*.{kind}" for kind in FORMATS),
