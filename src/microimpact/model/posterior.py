@@ -38,7 +38,7 @@ from microimpact.model.empirical.data import (
     DataSets,
     measurements,
 )
-from microimpact.model.empirical.kernel import LN_SIGMA, LN_SIZE, PARAMETERS, SCATTERED, curves
+from microimpact.model.empirical.kernel import LN_SIGMA, LN_SIZE, PARAMETERS, SCATTERED
 
 # Ranges of what can be free; those of damping are of c v at the highest speed, a pure number.
 RANGES = {
@@ -420,8 +420,7 @@ def _drawn(
     law: str, data: DataSets, widened: float, draws: int, seed: int
 ) -> tuple[FloatArray, int]:
     """Places in a law's table and v_c in m/s (draws, 4), and the number of the best of them."""
-    table = shapes.table(law)
-    last = np.array(table.shape[:PARAMETERS]) - 1.0
+    last = np.array(shapes.table(law).shape[:PARAMETERS]) - 1.0
     free = np.flatnonzero(last > 0.0)
     low = [*np.zeros(free.size), np.log(LEAST)]
     high = [*last[free], float(np.log(data.reach[0]))]
@@ -440,9 +439,8 @@ def _drawn(
     def log_likelihood(points: FloatArray) -> FloatArray:
         at, v_c = places(points), np.exp(points[:, free.size])
         if data.scatter is not None:
-            return -0.5 * scatter.deviances(law, data, v_c, at)
-        e = np.empty((len(points), data.v.shape[1]))
-        curves(table, shapes.places(data.v / v_c[:, None]), at, e)
+            return -0.5 * scatter.deviance_at(law, data, v_c, at)
+        e = shapes.curve(law, at, shapes.places(data.v / v_c[:, None]))[..., PARAMETERS]
         return np.asarray(-0.5 * np.sum(np.square((e - data.e) * data.weight / widened), axis=1))
 
     names = [*(f"axis {k}" for k in free), "v_c", "scatter of size"]

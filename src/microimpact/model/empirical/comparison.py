@@ -49,7 +49,8 @@ FEWEST = 5
 WILD = 0.15
 # Within this factor of v_c a speed is near capture.
 NEAR = 1.3
-TINY = 1e-300
+# Numbers below the first count as it; logarithms above the second as that.
+TINY, LARGEST_LOG = 1e-300, 600.0
 # v_c is sought between these shares of the smallest rebounding speed.
 LEAST, GREATEST = 1e-3, 1.0 - 1e-6
 # Values of v_c in a profile, at first every third of them, for then there are neighbours to start
@@ -131,7 +132,7 @@ class Candidate(NamedTuple):
             v_c = v_c * data.reach[owner]
             return scatter.profile(self.law, self.q, data, owner, v_c, starts)
         if self.law is not None:
-            return shapes.profile(self.law, data, owner, v_c, *starts)
+            return shapes.profile(self.law, data, owner, v_c, starts)
         fresh = 0 if len(starts) else len(STARTS)
         return profile(replace(data, q=self.q), owner, 1.0 - v_c, *starts, fresh=fresh)
 
@@ -181,6 +182,8 @@ class Comparison(Readable):
         Median diameter, whose v_c this is, m; None where no diameters are given.
     size_scatter
         Relative standard deviation of the diameter by the best model, if that was to be found.
+    left_out
+        Names of the models that need more rows than there are.
     warnings
         What speaks against trusting the interval, in sentences.
     """
@@ -194,6 +197,7 @@ class Comparison(Readable):
     exact: bool
     diameter: float | None
     size_scatter: float | None
+    left_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = field(repr=False)
 
     def summary(self) -> str:
@@ -217,6 +221,7 @@ class Comparison(Readable):
             f"v_c = {v_c} m/s, {100 * self.confidence:g} %: {low} to {high} m/s, averaged over the "
             "models by weight.\n"
             f"On condition that one of them has the shape of the true curve{self._assumptions()}."
+            f"{'' if self.sigma is None else f'{chr(10)}Of e sigma is estimated: {self.sigma:.3g}.'}"
         )
 
     def _assumptions(self) -> str:
@@ -364,7 +369,7 @@ def _compared(
 
     ``rows`` are the numbers (n,), from 1, that the points of each set had before they were sorted.
     """
-    spare = 0 if known else 2  # AICc divides by what is left
+    spare = _spare(known)
     more = int(sets.scatter is not None and sets.scatter.free_size)
     tried = {
         name: model._replace(free=model.free + more)
@@ -377,11 +382,14 @@ def _compared(
             f"v must hold at least {fewest} points from the smallest rebounding speed upwards for "
             f"these models, got {count}"
         )
+    left_out = tuple(name for name in candidates if name not in tried)
+    few = [f"models left out, for {count} rows are too few for them: {', '.join(left_out)}"]
+    few = few if left_out else []
     free = np.array([model.free for model in tried.values()])[:, None]
-    drawn = [_drawn(model, sets, count - model.free, known) for model in tried.values()]
+    drawn = [_drawn(model, sets, count, known) for model in tried.values()]
     profiles, v_c = (np.stack([getattr(best, name) for best in drawn]) for name in ("rows", "v_c"))
     least = profiles[..., 1].min(axis=2)
-    chi_square = least
+    chi_square = least if known else count * np.exp(np.minimum(least / count, LARGEST_LOG))
     if sets.scatter is not None and known:
         chi_square = np.array(
             [
@@ -394,15 +402,23 @@ def _compared(
         )
     leftover = chi_square / (count - free)  # variance of e in units of sigma squared
     criterion = _criterion(least, leftover, free, count, known)
+    if not np.isfinite(criterion).all():
+        raise RuntimeError("the search for v_c met numbers that are not finite in these data")
     best, every = np.argmin(criterion, axis=0), np.arange(len(sets.unit))
     criterion = criterion - criterion[best, every]
     weights = np.exp(-0.5 * criterion)
     weights /= weights.sum(axis=0)
     left = leftover[best, every]
     widened = np.maximum(1.0, left)
+    rise = profiles[..., 1] - least[..., None]
+    if known:
+        rise /= widened[:, None]
+    else:
+        # That of the sum of squares, over sigma squared; its logarithm may exceed all numbers.
+        rise = (count - free)[..., None] * np.expm1(np.minimum(rise / count, LARGEST_LOG))
     # With sigma known the signed roots are normal; else, of Student's distribution.
     freedom = np.where(known & (widened == 1.0), np.inf, count - free)
-    tails = _Tails(profiles, v_c, widened if known else leftover, freedom)
+    tails = _Tails(profiles[..., 0], np.sqrt(rise), v_c, freedom)
     scattered = np.zeros(every.size)
     for k in np.unique(best) if sets.scatter is None else ():
         chosen, model = np.flatnonzero(best == k), list(tried.values())[k]
@@ -444,12 +460,38 @@ def _compared(
                 exact=data.scatter is None,
                 diameter=diameters[i],
                 size_scatter=float(np.exp(x[LN_SIZE])) if more else None,
-                warnings=tuple(
-                    _warnings(data, fitted, residuals, float(middle[i]), interval, scattered[i])
+                left_out=left_out,
+                warnings=(
+                    *_warnings(data, fitted, residuals, float(middle[i]), interval, scattered[i]),
+                    *few,
                 ),
             )
         )
+        _require_sound(compared[-1])
     return compared
+
+
+def _require_sound(comparison: Comparison) -> None:
+    """Refuse to return what no right calculation can give."""
+    low, high = comparison.v_c_interval
+    weights = np.array([model.weight for model in comparison.models])
+    ends = np.array([model.interval for model in comparison.models if model.weight >= LIGHT])
+    if not (
+        low <= comparison.v_c <= high
+        and 0.0 <= low < high < np.inf
+        and ends[:, 0].min() <= comparison.v_c <= ends[:, 1].max()
+        and abs(weights.sum() - 1.0) < 1e-9
+    ):
+        raise RuntimeError(
+            f"the average of models went wrong in these data: v_c = {comparison.v_c:g} m/s, from "
+            f"{low:g} to {high:g} m/s, where the models say {ends[:, 0].min():g} to "
+            f"{ends[:, 1].max():g} m/s"
+        )
+
+
+def _spare(known: bool) -> int:
+    """Data that a model needs beside one more than its free parameters: AICc divides by the rest."""
+    return 0 if known else 2
 
 
 def _in_metres(
@@ -467,19 +509,22 @@ def _likelier_scatter(
     ``drawn`` are its profiles in all data sets, of which ``sets`` are the chosen ones (r,).
     """
     many, count = chosen.size, int(np.sum(sets.v[0] >= 1.0))
+    if count <= model.free + 1 + _spare(known):
+        return np.zeros(many)
     rows = np.zeros((many, 3, sets.v.shape[1]))
     rows[:, 2] = 1.0
     scattered = replace(sets, scatter=Scatter(rows, free_size=True, free_sigma=not known))
     least = drawn.rows[chosen, :, 1].min(axis=1)
     start = np.zeros((many, SCATTERED))
-    start[:, :V_C] = drawn.x[chosen, :V_C]
+    curve = drawn.x[chosen, :V_C]
+    start[:, : curve.shape[1]] = curve
     start[:, LN_SIZE] = np.log(FIRST_SIZE)
     if not known:
-        start[:, LN_SIGMA] = 0.5 * np.log(np.maximum(0.5 * least / count, TINY))
+        start[:, LN_SIGMA] = 0.5 * (least / count + np.log(0.5))
     owner = np.repeat(np.arange(many), len(NEARBY))
     v_c = (drawn.v_c[chosen, None] * NEARBY / scattered.reach[:, None]).ravel()
     searched = model.profile(scattered, owner, v_c, start[None, owner])
-    each = searched.chi_square.reshape(many, len(NEARBY))
+    each = searched.value.reshape(many, len(NEARBY))
     at = np.arange(many), each.argmin(axis=1)
     free, even = np.array([[model.free], [model.free + 1]]), np.ones((2, 1))
     criterion = _criterion(np.stack([least, each[at]]), even, free, count, known)
@@ -488,20 +533,27 @@ def _likelier_scatter(
 
 
 class _Drawn(NamedTuple):
-    """Profiles of r data sets: v_c in their units and chi-square, and where that is least."""
+    """Profiles of r data sets: v_c in their units and the deviance, and where that is least.
 
-    rows: FloatArray  # v_c and chi-square (r, g, 2)
+    The deviance is chi-square where sigma is known and n ln(sum of squares/n) where it is not,
+    or what scatter makes of these.
+    """
+
+    rows: FloatArray  # v_c and deviance (r, g, 2)
     v_c: FloatArray  # The best (r,)
     x: FloatArray  # The variables there (r, 5)
 
 
-def _drawn(model: Candidate, sets: DataSets, freedom: int, known: bool) -> _Drawn:
+def _drawn(model: Candidate, sets: DataSets, count: int, known: bool) -> _Drawn:
     """Draw profiles, closer and closer about their low parts."""
-    every = np.arange(len(sets.unit))
+    every, freedom = np.arange(len(sets.unit)), count - model.free
 
     def searched(owner: Places, v_c: FloatArray, starts: FloatArray) -> FloatArray:
-        """v_c, chi-square and the variables of each search (m, 7)."""
-        return np.column_stack([v_c, *model.profile(sets, owner, v_c, starts)[:2]])
+        """v_c, the deviance and the variables of each search (m, ...)."""
+        deviance, x = model.profile(sets, owner, v_c, starts)[:2]
+        if sets.scatter is None and not known:
+            deviance = count * np.log(np.maximum(deviance, TINY) / count)
+        return np.column_stack([v_c, deviance, x])
 
     first = np.append(FIRST_VALUES[:-1:APART], GREATEST)
     owner, v_c = np.repeat(every, first.size), np.tile(first, every.size)
@@ -517,8 +569,12 @@ def _drawn(model: Candidate, sets: DataSets, freedom: int, known: bool) -> _Draw
         rows = np.concatenate([rows, more], axis=1)
         rows = np.take_along_axis(rows, np.argsort(rows[..., :1], axis=1, kind="stable"), axis=1)
         rise = rows[..., 1] - (lowest := rows[..., 1].min(axis=1, keepdims=True))
-        unit = np.maximum(lowest / freedom, 1.0 if known else TINY)
-        low, last = rise < NEGLIGIBLE * unit, rows.shape[1] - 1
+        negligible = (
+            NEGLIGIBLE * np.maximum(lowest / freedom, 1.0)
+            if known
+            else count * np.log1p(NEGLIGIBLE / freedom)
+        )
+        low, last = rise < negligible, rows.shape[1] - 1
         ends = low.argmax(axis=1) - 1, last - low[:, ::-1].argmax(axis=1) + 1
         start, stop = (rows[every, np.clip(end, 0, last), 0] for end in ends)
         between = np.linspace(start, stop, VALUES, axis=1)[:, 1:-1]
@@ -529,21 +585,18 @@ def _drawn(model: Candidate, sets: DataSets, freedom: int, known: bool) -> _Draw
 class _Tails:
     """Shares of the probability of v_c below a value, by the signed root of chi-square's rise.
 
-    Of k models and r data sets: profiles (k, r, g, 2), the best v_c (k, r), and variance and
-    degrees of freedom, of shapes that broadcast to (k, r).
+    Of k models and r data sets: v_c of the profiles and the roots without sign (k, r, g), the best
+    v_c (k, r), and degrees of freedom, of a shape that broadcasts to (k, r).
     """
 
     def __init__(
-        self, profiles: FloatArray, v_c: FloatArray, variance: FloatArray, freedom: FloatArray
+        self, values: FloatArray, roots: FloatArray, v_c: FloatArray, freedom: FloatArray
     ) -> None:
-        self.values, chi_square = np.moveaxis(profiles, -1, 0)
-        self.freedom = np.broadcast_to(freedom, v_c.shape)
-        rise = chi_square - chi_square.min(axis=-1, keepdims=True)
-        rise = np.sqrt(rise / np.maximum(variance, TINY)[..., None])
+        self.values, self.freedom = values, np.broadcast_to(freedom, v_c.shape)
         # Beyond a valley counts what lies lower further out: the profile of a missed minimum.
-        below = self.values < v_c[..., None]
-        outer = np.minimum.accumulate(np.where(below, rise, np.inf), axis=-1)
-        inner = np.minimum.accumulate(np.where(below, np.inf, rise)[..., ::-1], axis=-1)
+        below = values < v_c[..., None]
+        outer = np.minimum.accumulate(np.where(below, roots, np.inf), axis=-1)
+        inner = np.minimum.accumulate(np.where(below, np.inf, roots)[..., ::-1], axis=-1)
         self.roots = np.where(below, -outer, inner[..., ::-1])
 
     def below(self, v_c: FloatArray, rows: Places) -> FloatArray:
@@ -587,7 +640,7 @@ def _averaged(weights: FloatArray, tails: _Tails, level: float) -> FloatArray:
 def _criterion(
     least: FloatArray, leftover: FloatArray, free: FloatArray, count: int, known: bool
 ) -> FloatArray:
-    """Akaike's criterion; that for few data where sigma is estimated, too.
+    """Akaike's criterion of the least deviance; that for few data where sigma is estimated, too.
 
     With sigma too small for every model, chi-square counts in units of what the best leaves.
     """
@@ -595,8 +648,7 @@ def _criterion(
         unit = np.maximum(1.0, np.min(leftover, axis=0))
         return np.asarray(least / unit + 2.0 * free)
     numbers = free + 1
-    loss = count * np.log(np.maximum(least, TINY) / count)
-    return np.asarray(loss + 2.0 * numbers * count / (count - numbers - 1.0))
+    return np.asarray(least + 2.0 * numbers * count / (count - numbers - 1.0))
 
 
 class _Residuals(NamedTuple):

@@ -18,7 +18,6 @@ from microimpact.core.arrays import (
     Range,
     checked,
 )
-from microimpact.model.empirical.kernel import MEASURED, SPEED, WEIGHT
 
 Places = npt.NDArray[np.intp]
 Given = Numbers | ArrayLike
@@ -141,7 +140,7 @@ def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -
             )
 
 
-ARRAYS = ("points", "unit", "top")
+ARRAYS = ("v", "e", "weight", "unit", "top")
 
 
 class Scatter(NamedTuple):
@@ -158,29 +157,14 @@ class Scatter(NamedTuple):
 class DataSets:
     """Data sets (r, n), checked, in units of the slowest rebounding speed of each."""
 
-    # As they are searched (r, 4, n): speeds and their logarithms, coefficients of restitution, and
-    # 1/sigma, 0 for a datum that is not there.
-    points: FloatArray
+    v: FloatArray  # Speeds (r, n)
+    e: FloatArray  # Coefficients of restitution (r, n)
+    weight: FloatArray  # 1/sigma, 0 for a datum that is not there (r, n)
     # The slowest rebounding speed (r,), m/s, and the largest speed in its units.
     unit: FloatArray
     top: FloatArray
     q: float | None  # Exponent of Eq. (33), or None where it is free.
     scatter: Scatter | None = None  # None: speeds are exact and all spheres of one size
-
-    @property
-    def v(self) -> FloatArray:
-        """Speeds (r, n)."""
-        return self.points[:, SPEED]
-
-    @property
-    def e(self) -> FloatArray:
-        """Coefficients of restitution (r, n)."""
-        return self.points[:, MEASURED]
-
-    @property
-    def weight(self) -> FloatArray:
-        """1/sigma (r, n)."""
-        return self.points[:, WEIGHT]
 
     def select(self, rows: slice | Places) -> DataSets:
         """Index the data sets."""
@@ -261,8 +245,7 @@ def in_own_units(v: FloatArray, e: FloatArray, weight: FloatArray, q: float | No
     unit = np.where((weight > 0.0) & (e > 0.0), v, np.inf).min(axis=1)
     ratio = v / unit[:, None]
     top = np.where(weight > 0.0, ratio, 0.0).max(axis=1)
-    points = np.stack([ratio, np.log(ratio), e, weight], axis=1)
-    return DataSets(points=points, unit=unit, top=top, q=q)
+    return DataSets(v=ratio, e=e, weight=weight, unit=unit, top=top, q=q)
 
 
 def stacked_sets(parts: Sequence[DataSets]) -> DataSets:

@@ -24,7 +24,7 @@ def noisy(number, sigma=0.01):
 
 def chi_square_at(sets, v_c):
     """Least chi-square of each data set with v_c held, from two starts that no fit has."""
-    return profile(sets, np.zeros(1, int), 1.0 - v_c / sets.unit, fresh=2).chi_square
+    return profile(sets, np.zeros(1, int), 1.0 - v_c / sets.unit, fresh=2).value
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,14 @@ from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical import scatter, shapes
 from microimpact.model.empirical.comparison import _checked, compare_models, compare_sets
 from microimpact.model.empirical.equations import restitution
-from microimpact.model.empirical.kernel import LEAST_SCATTER, LN_SIGMA, LN_SIZE, SCATTERED, deviance
+from microimpact.model.empirical.kernel import (
+    BY_SIZE,
+    LEAST_SCATTER,
+    LN_SIGMA,
+    LN_SIZE,
+    SCATTERED,
+    deviance,
+)
 
 V = np.array([0.9, 1.0, 1.03, 1.1, 1.3, 2.0, 5.0, 12.0])
 E = np.array([0.0, 0.1, 0.0, 0.25, 0.5, 0.7, 0.78, 0.7])
@@ -98,9 +105,9 @@ def test_the_likelihood_is_that_of_spheres_of_the_same_materials(law, place, cap
 
 def _exponent(law, x):
     cubes = scatter._table(law)[..., -3:-2]
-    e = np.empty((1, 1))
-    shapes.curves(np.repeat(cubes, 4, axis=-1), np.zeros((1, 1)), x[None], e)
-    return float(e[0, 0])
+    rows = np.empty((1, 1, 4))
+    shapes.curves(np.repeat(cubes, 4 + BY_SIZE, axis=-1), np.zeros((1, 1)), x[None], rows)
+    return float(rows[0, 0, -1])
 
 
 @pytest.mark.parametrize("captured", [True, False])
