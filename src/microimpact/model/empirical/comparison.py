@@ -30,6 +30,7 @@ from microimpact.model.empirical.data import (
     Places,
     Scatter,
     in_own_units,
+    is_contradicted,
     measurements,
     require_telling,
     scatter_of,
@@ -42,7 +43,7 @@ from microimpact.model.empirical.search import STARTS, Minima, profile
 
 CONFIDENCE = Range(lower=0.0, upper=1.0)
 FRACTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
-SPREAD = Range(lower=0.0, upper=1.0, upper_closed=True)
+SPREAD = Range(lower=1e-12, upper=1.0, lower_closed=True, upper_closed=True)
 # Data from the slowest rebound upwards: fewer leave no model a degree of freedom.
 FEWEST = 5
 # A scatter of e above this, where no model explains half of the variance, is no curve.
@@ -221,7 +222,6 @@ class Comparison(Readable):
             f"v_c = {v_c} m/s, {100 * self.confidence:g} %: {low} to {high} m/s, averaged over the "
             "models by weight.\n"
             f"On condition that one of them has the shape of the true curve{self._assumptions()}."
-            f"{'' if self.sigma is None else f'{chr(10)}Of e sigma is estimated: {self.sigma:.3g}.'}"
         )
 
     def _assumptions(self) -> str:
@@ -257,7 +257,8 @@ def compare_models(
 
     Where the best model leaves more scatter than sigma admits, sigma is taken larger by that much.
     Without `sigma_v`, `d` and `size_scatter` speeds are taken as exact, and spheres as of one size;
-    with one of them models are averaged as `microimpact.model.empirical.scatter` says.
+    with one of them models are averaged as `microimpact.model.empirical.scatter` says. If captures
+    then lie above rebounds that should be captured too, the scatter of size is found instead.
 
     Parameters
     ----------
@@ -266,7 +267,7 @@ def compare_models(
     e
         Coefficients of restitution (n,), in [0, 1]; 0 for a captured sphere.
     sigma
-        Standard deviation of e, one number or (n,); None: one for all, estimated.
+        Standard deviation of e, one number or (n,), 1e-12 to 1; None: one for all, estimated.
     sigma_v
         Standard deviation of v, m/s, one number or (n,); None: 0.
     d
@@ -284,6 +285,8 @@ def compare_models(
     TypeError, ValueError
         If a model is unknown, numbers are out of range or too few, no sphere rebounds, or e hardly
         depends on v in the way that a rebound does.
+    RuntimeError
+        If the calculation goes wrong.
     """
     return compare_sets(
         [(v, e, sigma, sigma_v, d, size_scatter)], confidence=confidence, models=models
@@ -347,7 +350,10 @@ def _checked(
     if open_sizes is None:
         return data, order, sigma is not None, None
     rows, free, diameter = open_sizes
-    said = Scatter(rows[None, :, order], free, sigma is None)
+    contradicted = not free and is_contradicted(speed, measured, rows)
+    if contradicted:
+        rows[2] = 1.0
+    said = Scatter(rows[None, :, order], free or contradicted, sigma is None, contradicted)
     return replace(data, scatter=said), order, sigma is not None, diameter
 
 
@@ -719,6 +725,11 @@ def _warnings(
             "the data look as if v_c scattered among the spheres, as with "
             f"{100.0 * size_scatter:.2g} % in diameter, or as if speeds had errors: then the "
             "interval is too narrow"
+        )
+    if data.scatter is not None and data.scatter.contradicted:
+        yield (
+            "captures lie farther above rebounds than the errors of speed and size stated allow: "
+            "these sizes are taken to scatter as much as the data say"
         )
     heavy = [model for model in models if model.weight >= LIGHT]
     for first, second in combinations(heavy, 2):
