@@ -38,7 +38,7 @@ from microimpact.model.contact_laws import JKR, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.comparison import Comparison, compare_sets
-from microimpact.model.empirical.data import data_sets, stacked_sets
+from microimpact.model.empirical.data import data_sets
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.intervals import interval_batch
 from microimpact.model.empirical.search import fit_batch
@@ -116,7 +116,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         table = read("averaged")
         for row in table:
             if row["design"] in options.averaged or not (options.averaged or row["sets"]):
-                row |= averaged(trial_of(row), options.sets)
+                row.update(averaged(trial_of(row), options.sets))
                 write("averaged", table)
                 print(row["design"], row["held"], "of", row["sets"], flush=True)
     if options.predicted:
@@ -143,9 +143,8 @@ def trial_of(row: Row) -> Trial:
     """What a row of the table of designs says."""
     numbers = {"noise_of_e", "lowest_speed_in_v_c", "size_scatter", "speed_error"}
     cells = {name: float(cell) if name in numbers else cell for name, cell in row.items()}
-    return Trial(
-        *(kind(**{name: cells[name] for name in kind._fields}) for kind in (Design, Spheres, Analysis))  # type: ignore[arg-type]
-    )
+    kinds = (Design, Spheres, Analysis)
+    return Trial(*(kind(**{name: cells[name] for name in kind._fields}) for kind in kinds))
 
 
 @cache
@@ -294,7 +293,8 @@ MARKS = {
 
 def draw() -> None:
     """Draw both pictures of the documentation."""
-    with mpl.rc_context({"font.size": 9.0, "legend.fontsize": 7.5}):
+    style = {"svg.hashsalt": "microimpact", "svg.fonttype": "none", "font.size": 9.0}
+    with mpl.rc_context(style | {"legend.fontsize": 7.5}):
         _draw_averaged(read("averaged"), read("predicted"))
         _draw_alone(read("alone"))
 
@@ -304,7 +304,9 @@ def _draw_averaged(table: list[Row], predictions: list[Row]) -> None:
     figure, (exact, allowed, sizes) = _figure(3, 3.4)
     for axes, title, told in ((exact, "taken as exact", False), (allowed, "given or found", True)):
         rows = [row for row in table if (row["scatter"] != "exact") == told and row["sets"]]
-        x = [100.0 * np.hypot(float(row["size_scatter"]), float(row["speed_error"])) for row in rows]
+        x = [
+            100.0 * np.hypot(float(row["size_scatter"]), float(row["speed_error"])) for row in rows
+        ]
         # Marks of the same scatter stand side by side.
         apart = [0.3 * (x[:i].count(at) - 0.5 * (x.count(at) - 1)) for i, at in enumerate(x)]
         _bars(axes, rows, [at + off for at, off in zip(x, apart, strict=True)])
@@ -323,9 +325,15 @@ def _draw_averaged(table: list[Row], predictions: list[Row]) -> None:
 def _draw_alone(table: list[Row]) -> None:
     """Coverage, and errors of v_c, of Eq. (34) alone over the lowest speed."""
     figure, panels = _figure(3, 3.6)
-    columns = {"coverage": "coverage", "rms_error": "rms error of $v_c$", "bias": "mean error of $v_c$"}
+    columns = {
+        "coverage": "coverage",
+        "rms_error": "rms error of $v_c$",
+        "bias": "mean error of $v_c$",
+    }
     for axes, (column, words) in zip(panels, columns.items(), strict=True):
-        for truth, noise, exponent in product((EQ_34, "simulation"), ("0.01", "0.03"), ("free", "fixed")):
+        for truth, noise, exponent in product(
+            (EQ_34, "simulation"), ("0.01", "0.03"), ("free", "fixed")
+        ):
             kind = truth, noise, exponent
             rows = [r for r in table if (r["truth"], r["noise_of_e"], r["exponent"]) == kind]
             axes.plot(
@@ -358,7 +366,9 @@ def _bars(axes: Axes, rows: list[Row], x: list[float]) -> None:
             at, middle, low, high = np.array(points).T
             label = truth.replace("steel-silicon", "ring force")
             ends = [middle - low, high - middle]
-            axes.errorbar(at, middle, ends, fmt=mark, color=colour, markersize=4, lw=0.8, label=label)
+            axes.errorbar(
+                at, middle, ends, fmt=mark, color=colour, markersize=4, lw=0.8, label=label
+            )
 
 
 def _figure(columns: int, height: float) -> tuple[Figure, Sequence[Axes]]:
@@ -371,8 +381,10 @@ def _save(figure: Figure, keyed: Iterable[Axes], name: str) -> None:
     handles: dict[str, Any] = {}
     for axes in keyed:
         handles |= {h.get_label(): h for h in axes.get_legend_handles_labels()[0]}
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4, frameon=False)
-    figure.savefig(IMAGES / f"{name}.png", dpi=120)
+    figure.legend(
+        handles.values(), handles.keys(), loc="outside lower center", ncols=4, frameon=False
+    )
+    figure.savefig(IMAGES / f"{name}.svg", metadata={"Date": None})
 
 
 if __name__ == "__main__":

@@ -106,19 +106,6 @@ use rule study as restitution_fits with:
         **parameters("restitution_fits"),
 
 
-use rule study as fit_coverage with:
-    """tables/fit_coverage.csv and others: how well the capture velocity is found and predicted."""
-    input:
-        **tables("calibration", "restitution_fits"),
-    output:
-        **tables("fit_coverage", "averaged_intervals", "capture_predictions"),
-        **data("capture_recovery", "averaged_coverage"),
-    pathvars:
-        study="fit_coverage",
-    params:
-        **parameters("fit_coverage"),
-
-
 use rule study as capture_velocities with:
     """tables/capture_laws.csv: v_c per pair and law, data/capture_law_curves.csv: over diameter."""
     input:

@@ -277,6 +277,7 @@ def calibrate_laws(
     *,
     draws: int = 400,
     seed: int = 0,
+    progress: Callable[[str], object] | None = None,
 ) -> LawDraws:
     """Draw contacts by several laws from measured restitutions in normal impacts.
 
@@ -295,6 +296,8 @@ def calibrate_laws(
         Number of contacts, shared among the laws by weight.
     seed
         Of all random numbers, 0 or more.
+    progress
+        Takes a sentence before each law is drawn, how far it is.
 
     Raises
     ------
@@ -321,9 +324,12 @@ def calibrate_laws(
     reference = contact.reference_velocity
     if reference is None:
         reference = data.unit[0] * np.exp(np.mean(np.log(data.v)))
-    contacts, best = {}, {}
+    contacts, best, drawn = {}, {}, 0
     for model, number in zip(comparison.models, _shares(comparison, draws), strict=True):
         if number:
+            if progress is not None:
+                progress(f"{drawn} of {draws} contacts are drawn, next those of {model.name}")
+            drawn += number
             points, highest = _drawn(model.name, data, widened, number, seed)
             all_draws = _contacts(model.name, contact, points, float(reference))
             contacts[model.name] = all_draws

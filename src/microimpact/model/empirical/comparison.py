@@ -4,7 +4,7 @@ Each model of e(v) has its own profile of chi-square over v_c. Models are weight
 criterion, corrected for few data where sigma is estimated (AICc; Burnham and Anderson 2002). The
 interval is that of averaged tail areas (Fletcher and Turek 2012): what the models' signed roots of
 chi-square leave beyond an end, averaged with these weights, is half of what the confidence leaves.
-The study `fit_coverage` tells how often it holds the true v_c.
+`python -m benchmarks.coverage` tells how often it holds the true v_c.
 
 The laws of contact need no material here: see `microimpact.model.empirical.shapes`.
 """
@@ -375,53 +375,27 @@ def _compared(
 
     ``rows`` are the numbers (n,), from 1, that the points of each set had before they were sorted.
     """
-    spare = _spare(known)
     more = int(sets.scatter is not None and sets.scatter.free_size)
-    tried = {
-        name: model._replace(free=model.free + more)
-        for name, model in candidates.items()
-        if count > model.free + more + spare
-    }
-    if not tried:
-        fewest = 1 + spare + more + min(model.free for model in candidates.values())
-        raise ValueError(
-            f"v must hold at least {fewest} points from the smallest rebounding speed upwards for "
-            f"these models, got {count}"
-        )
+    tried = _affordable(candidates, more, count, known)
     left_out = tuple(name for name in candidates if name not in tried)
-    few = [f"models left out, for {count} rows are too few for them: {', '.join(left_out)}"]
-    few = few if left_out else []
     free = np.array([model.free for model in tried.values()])[:, None]
     drawn = [_drawn(model, sets, count, known) for model in tried.values()]
     profiles, v_c = (np.stack([getattr(best, name) for best in drawn]) for name in ("rows", "v_c"))
     least = profiles[..., 1].min(axis=2)
     chi_square = least if known else count * np.exp(np.minimum(least / count, LARGEST_LOG))
     if sets.scatter is not None and known:
-        chi_square = np.array(
-            [
-                [
-                    np.sum(_residuals(data, order, model, x, at, known).in_sigma ** 2)
-                    for data, order, x, at in zip(sets.split(), rows, best.x, best.v_c, strict=True)
-                ]
-                for model, best in zip(tried.values(), drawn, strict=True)
-            ]
-        )
+        chi_square = _misfits(sets, rows, tried, drawn)
     leftover = chi_square / (count - free)  # variance of e in units of sigma squared
     criterion = _criterion(least, leftover, free, count, known)
-    if not np.isfinite(criterion).all():
-        raise RuntimeError("the search for v_c met numbers that are not finite in these data")
     best, every = np.argmin(criterion, axis=0), np.arange(len(sets.unit))
     criterion = criterion - criterion[best, every]
     weights = np.exp(-0.5 * criterion)
     weights /= weights.sum(axis=0)
-    left = leftover[best, every]
-    widened = np.maximum(1.0, left)
-    rise = profiles[..., 1] - least[..., None]
-    if known:
-        rise /= widened[:, None]
-    else:
+    widened = np.maximum(1.0, left := leftover[best, every])
+    rise = (profiles[..., 1] - least[..., None]) / (widened[:, None] if known else count)
+    if not known:
         # That of the sum of squares, over sigma squared; its logarithm may exceed all numbers.
-        rise = (count - free)[..., None] * np.expm1(np.minimum(rise / count, LARGEST_LOG))
+        rise = (count - free)[..., None] * np.expm1(np.minimum(rise, LARGEST_LOG))
     # With sigma known the signed roots are normal; else, of Student's distribution.
     freedom = np.where(known & (widened == 1.0), np.inf, count - free)
     tails = _Tails(profiles[..., 0], np.sqrt(rise), v_c, freedom)
@@ -455,6 +429,7 @@ def _compared(
         residuals = _residuals(data, rows[i], winner, x, float(v_c[k, i]), known)
         _require_a_curve(residuals)
         sigma = np.exp(x[LN_SIGMA]) if data.scatter is not None else np.sqrt(left[i])
+        words = _warnings(data, fitted, residuals, float(middle[i]), interval, scattered[i])
         compared.append(
             Comparison(
                 models=tuple(fitted),
@@ -467,10 +442,7 @@ def _compared(
                 diameter=diameters[i],
                 size_scatter=float(np.exp(x[LN_SIZE])) if more else None,
                 left_out=left_out,
-                warnings=(
-                    *_warnings(data, fitted, residuals, float(middle[i]), interval, scattered[i]),
-                    *few,
-                ),
+                warnings=(*words, *_about_rows(left_out, count)),
             )
         )
         _require_sound(compared[-1])
@@ -495,8 +467,41 @@ def _require_sound(comparison: Comparison) -> None:
         )
 
 
+def _misfits(
+    sets: DataSets, rows: Sequence[Places], tried: dict[str, Candidate], drawn: list[_Drawn]
+) -> FloatArray:
+    """Sums of squares over sigma (k, r) under scatter, where the deviance has other terms, too."""
+    return np.array(
+        [
+            [
+                np.sum(_residuals(data, order, model, x, at, known=True).in_sigma ** 2)
+                for data, order, x, at in zip(sets.split(), rows, best.x, best.v_c, strict=True)
+            ]
+            for model, best in zip(tried.values(), drawn, strict=True)
+        ]
+    )
+
+
+def _affordable(
+    candidates: dict[str, Candidate], more: int, count: int, known: bool
+) -> dict[str, Candidate]:
+    """Models that so many points are enough for, with so many more free parameters."""
+    tried = {
+        name: model._replace(free=model.free + more)
+        for name, model in candidates.items()
+        if count > model.free + more + _spare(known)
+    }
+    if not tried:
+        fewest = 1 + _spare(known) + more + min(model.free for model in candidates.values())
+        raise ValueError(
+            f"v must hold at least {fewest} points from the smallest rebounding speed upwards for "
+            f"these models, got {count}"
+        )
+    return tried
+
+
 def _spare(known: bool) -> int:
-    """Data that a model needs beside one more than its free parameters: AICc divides by the rest."""
+    """Number of data beyond one more than the free parameters: AICc divides by the rest."""
     return 0 if known else 2
 
 
@@ -650,6 +655,8 @@ def _criterion(
 
     With sigma too small for every model, chi-square counts in units of what the best leaves.
     """
+    if not np.isfinite(least).all():
+        raise RuntimeError("the search for v_c met numbers that are not finite in these data")
     if known:
         unit = np.maximum(1.0, np.min(leftover, axis=0))
         return np.asarray(least / unit + 2.0 * free)
@@ -726,11 +733,6 @@ def _warnings(
             f"{100.0 * size_scatter:.2g} % in diameter, or as if speeds had errors: then the "
             "interval is too narrow"
         )
-    if data.scatter is not None and data.scatter.contradicted:
-        yield (
-            "captures lie farther above rebounds than the errors of speed and size stated allow: "
-            "these sizes are taken to scatter as much as the data say"
-        )
     heavy = [model for model in models if model.weight >= LIGHT]
     for first, second in combinations(heavy, 2):
         if first.interval[0] > second.interval[1] or second.interval[0] > first.interval[1]:
@@ -739,6 +741,28 @@ def _warnings(
         yield (
             f"one model alone, {models[0].name}, carries the interval, which supposes it true: of "
             "another curve such an interval is too narrow"
+        )
+    yield from _about_captures(data, v_c)
+    if interval[0] == 0.0:
+        yield "the data do not bound v_c from below"
+    if interval[1] == data.unit[0] * data.reach[0]:
+        yield (
+            "the upper end is the slowest rebound itself"
+            if data.scatter is None
+            else "the data do not bound v_c from above"
+        )
+
+
+def _about_rows(left_out: tuple[str, ...], count: int) -> Iterator[str]:
+    if left_out:
+        yield f"models left out, for {count} rows are too few for them: {', '.join(left_out)}"
+
+
+def _about_captures(data: DataSets, v_c: float) -> Iterator[str]:
+    if data.scatter is not None and data.scatter.contradicted:
+        yield (
+            "captures lie farther above rebounds than the errors of speed and size stated allow: "
+            "these sizes are taken to scatter as much as the data say"
         )
     slowest, exact = float(data.unit[0]), data.scatter is None
     captured = slowest * data.v[data.e == 0.0]
@@ -751,14 +775,6 @@ def _warnings(
         yield (
             f"captures up to {nearest:.3g} m/s and rebounds from {slowest:.3g} m/s on overlap: "
             "the spheres or the places do not share one v_c"
-        )
-    if interval[0] == 0.0:
-        yield "the data do not bound v_c from below"
-    if interval[1] == slowest * data.reach[0]:
-        yield (
-            "the upper end is the slowest rebound itself"
-            if exact
-            else "the data do not bound v_c from above"
         )
 
 

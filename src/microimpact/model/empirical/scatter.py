@@ -139,7 +139,8 @@ def profile(
     low, high, stride = box = _box(law, q, scatter)
     fresh = not len(starts)
     begun = _starts(law, q, sets.top[owner], v_c, box) if fresh else starts
-    bounds = Box(*(np.tile(side, (v_c.size, 1)) for side in (low, high)), stride)
+    many = v_c.size, 1
+    bounds = Box(np.tile(low, many), np.tile(high, many), stride)
     objective = _likelihood(law, sets, owner, v_c)
     minima = lowest(objective, begun, bounds, 0.0, SMALL, FRESH if fresh else NEAR)
     if not scatter.free_sigma:
@@ -150,14 +151,27 @@ def profile(
 
 
 def _likelihood(law: str | None, sets: DataSets, owner: Places, v_c: FloatArray) -> Objective:
-    """Deviance of searches, each with its data set and v_c held, (m,)."""
+    """Deviance of searches, each with its data set and v_c held, (m,).
+
+    Of two scatters to be found one alone can explain few data, and the likelihood is endless where
+    the other is none. So each has a factor that is proportional to it (Chung et al. 2013).
+    """
     assert sets.scatter is not None
     table, data = _table(law), _data(sets, sets.scatter)
+    free = sets.scatter.free_sigma and sets.scatter.free_size
+    usual = np.log([FIRST_SIGMA, FIRST_SIZE])
 
     def objective(x: FloatArray, rows: Places) -> tuple[FloatArray, FloatArray, FloatArray]:
-        total, slope, information = np.empty(len(x)), np.empty(x.shape), np.empty((*x.shape, SCATTERED))
+        total, slope, information = (
+            np.empty(len(x)),
+            np.empty(x.shape),
+            np.empty((*x.shape, SCATTERED)),
+        )
         given = table, _SCALE, data, owner[rows], v_c[rows], np.ascontiguousarray(x)
         deviances(*given, total, slope, information)
+        if free:
+            total -= 2.0 * (x[:, [LN_SIGMA, LN_SIZE]] - usual).sum(axis=1)
+            slope[:, [LN_SIGMA, LN_SIZE]] -= 1.0
         return total, slope, information
 
     return objective

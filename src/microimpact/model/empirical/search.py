@@ -6,8 +6,8 @@ v_c is sought piece by piece between those speeds, through the logarithm of its 
 upper end of the piece, the gap: in that variable the sum of squares is smooth. The other parameters
 are searched as logarithms, too, and speeds are in units of the smallest one that rebounds.
 
-The searches are damped Gauss-Newton ones (Levenberg and Marquardt), many side by side. What one data
-set gives does not depend on the others.
+The searches are damped Gauss-Newton ones (Levenberg and Marquardt), many side by side. What one
+data set gives does not depend on the others.
 """
 
 from __future__ import annotations
@@ -276,13 +276,13 @@ def misfit(sets: DataSets, owner: Places, end: FloatArray) -> Objective:
 
 def box_of(sets: DataSets, owner: Places, least_gap: FloatArray, largest_gap: FloatArray) -> Box:
     """Bounds of the variables of Eq. (34); the last two arguments are those of ln(gap), (m,)."""
-    top, box = sets.top[owner], np.empty((2, owner.size, VARIABLES))
-    for side, (scale, gap) in enumerate(((1.0, least_gap), (top, largest_gap))):
+    top, (low, high) = sets.top[owner], np.empty((2, owner.size, VARIABLES))
+    for side, bounds, scale, gap in ((0, low, 1.0, least_gap), (1, high, top, largest_gap)):
         q = EXPONENT_BOUNDS[side] if sets.q is None else sets.q
         sides = (K_BOUNDS[side] * scale, EXPONENT_BOUNDS[side], KAPPA_BOUNDS[side] * scale, q)
         for variable, value in enumerate((*map(np.log, sides), gap)):
-            box[side, :, variable] = value
-    return Box(*box, STRIDE)
+            bounds[:, variable] = value
+    return Box(low, high, STRIDE)
 
 
 def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) -> FloatArray:

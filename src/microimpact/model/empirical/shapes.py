@@ -1,9 +1,9 @@
 """Restitution by the laws of contact as tables over v/v_c, and their search with v_c held.
 
 In units of its capture velocity a law of contact has one to three parameters left, whatever the
-materials. Each is tabulated at places evenly spaced in the logarithms of the parameters, in the rate
-exponent n, and in the square root of ln(v/v_c), in which e is smooth through capture. Between them
-e is that of the cubic through the four nearest places of each axis.
+materials. Each is tabulated at places evenly spaced in the logarithms of the parameters, in the
+rate exponent n, and in the square root of ln(v/v_c), in which e is smooth through capture. Between
+them e is that of the cubic through the four nearest places of each axis.
 
 The tables stand in ``shapes.npz``, so that a first fit compiles no integration;
 ``python -m microimpact.model.empirical.shapes`` computes them anew.

@@ -21,6 +21,7 @@ from microimpact.model.empirical.data import in_own_units
 from microimpact.model.empirical.fit import fit_restitution
 
 NOISE, POINTS = 0.02, 24
+NO_STARTS = np.empty((0, 0, 0))
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +99,7 @@ def test_the_ring_force_is_fitted_as_another_search_fits_it(contact):
     best = least_squares(missed, start, diff_step=1e-4, bounds=bounds)
     v_c = np.atleast_1d(capture_velocity(changed(best.x)))
     data = in_own_units(v[None], e[None], np.full((1, POINTS), 1.0 / NOISE), None)
-    held = shapes.profile("ring force", data, np.zeros(1, int), v_c / data.unit, np.empty((0, 0, 0)))
+    held = shapes.profile("ring force", data, np.zeros(1, int), v_c / data.unit, NO_STARTS)
     assert held.value[0] == pytest.approx(2.0 * best.cost, abs=0.02)
     # Values of v_c in a profile are some way apart.
     assert model.chi_square == pytest.approx(2.0 * best.cost, abs=0.05)

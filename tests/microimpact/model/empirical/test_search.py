@@ -191,7 +191,10 @@ def test_a_search_goes_down_the_valley_of_rosenbrock_and_stays_in_its_box():
     x = found.x[2, 0]
     assert 200.0 * x * (x**2 - 0.25) + (x - 1.0) == pytest.approx(0.0, abs=1e-4)
     # The start that promises most is followed where one is to be.
-    assert lowest(valley, starts, Box(low, high, np.full(2, 2.0)), 1e-12, most=1).each.shape == (1, 3)
+    assert lowest(valley, starts, Box(low, high, np.full(2, 2.0)), 1e-12, most=1).each.shape == (
+        1,
+        3,
+    )
 
 
 def test_a_missing_datum_is_one_that_was_never_taken():

@@ -10,7 +10,7 @@ from microimpact.model.empirical import shapes
 from microimpact.model.empirical.comparison import compare_models
 from microimpact.model.empirical.data import in_own_units
 
-NONE = np.empty((0, 0, 0))
+NO_STARTS = np.empty((0, 0, 0))
 RATIO = np.geomspace(1.001, 300.0, 40)
 OTHERS = {
     "viscous JKR": JKR(viscous_time=10.5e-9),
@@ -48,7 +48,7 @@ def test_a_fixed_loss_is_its_closed_form_and_nothing_leaves_below_v_c():
 def held(name, v, e, weight, v_c):
     """Search with these v_c held, in the unit of v."""
     data = in_own_units(v[None], e[None], np.full((1, v.size), weight), None)
-    return shapes.profile(name, data, np.zeros(v_c.size, int), v_c / data.unit, NONE)
+    return shapes.profile(name, data, np.zeros(v_c.size, int), v_c / data.unit, NO_STARTS)
 
 
 @pytest.mark.parametrize("name", OTHERS)
