@@ -131,8 +131,8 @@ def profile(
     Returns
     -------
     Minima
-        Of the deviance; where sigma is not given, less the number of data n: it is then
-        n ln(sum of squares/n) without scatter.
+        Of the deviance; where sigma is not given, less the number of data, and with the factor of
+        `_likelihood`.
     """
     scatter = sets.scatter
     assert scatter is not None
@@ -153,13 +153,15 @@ def profile(
 def _likelihood(law: str | None, sets: DataSets, owner: Places, v_c: FloatArray) -> Objective:
     """Deviance of searches, each with its data set and v_c held, (m,).
 
-    Of two scatters to be found one alone can explain few data, and the likelihood is endless where
-    the other is none. So each has a factor that is proportional to it (Chung et al. 2013).
+    Few data can be explained by sizes and speeds alone, and with a sigma to be found the likelihood
+    has no bound where that is none. So each scatter has a factor then that is proportional to it
+    (Chung et al. 2013).
     """
     assert sets.scatter is not None
     table, data = _table(law), _data(sets, sets.scatter)
-    free = sets.scatter.free_sigma and sets.scatter.free_size
-    usual = np.log([FIRST_SIGMA, FIRST_SIZE])
+    _, free_size, free_sigma, _ = sets.scatter
+    found = [LN_SIGMA, LN_SIZE][: 1 + free_size]
+    usual = np.log([FIRST_SIGMA, FIRST_SIZE][: 1 + free_size])
 
     def objective(x: FloatArray, rows: Places) -> tuple[FloatArray, FloatArray, FloatArray]:
         total, slope, information = (
@@ -169,9 +171,9 @@ def _likelihood(law: str | None, sets: DataSets, owner: Places, v_c: FloatArray)
         )
         given = table, _SCALE, data, owner[rows], v_c[rows], np.ascontiguousarray(x)
         deviances(*given, total, slope, information)
-        if free:
-            total -= 2.0 * (x[:, [LN_SIGMA, LN_SIZE]] - usual).sum(axis=1)
-            slope[:, [LN_SIGMA, LN_SIZE]] -= 1.0
+        if free_sigma:
+            total -= 2.0 * (x[:, found] - usual).sum(axis=1)
+            slope[:, found] -= 1.0
         return total, slope, information
 
     return objective
