@@ -88,8 +88,8 @@ MUTANTS = [Mutant(*row) for row in (
      "parameters[:, [0, 2, V_C]] *=", "parameters[:, [V_C]] *=",
      "model/empirical/test_restitution_fit"),
     ("fits: captured spheres miss below v_c, as by the printed form",
-     "microimpact/model/empirical/search.py",
-     "-q * rise)), 0.0)", "-q * rise)), 0.5)", "model/empirical/test_search"),
+     "microimpact/model/empirical/kernel.py",
+     "kept if rebounds else 0.0", "kept if rebounds else 0.5", "model/empirical/test_search"),
 )]  # fmt: skip
 
 
