@@ -450,7 +450,7 @@ def _compared(
 
 
 def _require_sound(comparison: Comparison) -> None:
-    """Refuse to return what no right calculation can give."""
+    """Refuse an average that no right calculation can give."""
     low, high = comparison.v_c_interval
     weights = np.array([model.weight for model in comparison.models])
     ends = np.array([model.interval for model in comparison.models if model.weight >= LIGHT])

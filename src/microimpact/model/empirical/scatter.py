@@ -160,7 +160,7 @@ def _likelihood(law: str | None, sets: DataSets, owner: Places, v_c: FloatArray)
     assert sets.scatter is not None
     table, data = _table(law), _data(sets, sets.scatter)
     _, free_size, free_sigma, _ = sets.scatter
-    found = [LN_SIGMA, LN_SIZE][: 1 + free_size]
+    unknown = [LN_SIGMA, LN_SIZE][: 1 + free_size]
     usual = np.log([FIRST_SIGMA, FIRST_SIZE][: 1 + free_size])
 
     def objective(x: FloatArray, rows: Places) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -169,11 +169,11 @@ def _likelihood(law: str | None, sets: DataSets, owner: Places, v_c: FloatArray)
             np.empty(x.shape),
             np.empty((*x.shape, SCATTERED)),
         )
-        given = table, _SCALE, data, owner[rows], v_c[rows], np.ascontiguousarray(x)
-        deviances(*given, total, slope, information)
+        searches = owner[rows], v_c[rows], np.ascontiguousarray(x)
+        deviances(table, _SCALE, data, *searches, total, slope, information)
         if free_sigma:
-            total -= 2.0 * (x[:, found] - usual).sum(axis=1)
-            slope[:, found] -= 1.0
+            total -= 2.0 * (x[:, unknown] - usual).sum(axis=1)
+            slope[:, unknown] -= 1.0
         return total, slope, information
 
     return objective

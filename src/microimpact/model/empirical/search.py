@@ -254,7 +254,7 @@ def ranges(sets: DataSets) -> tuple[Places, FloatArray, FloatArray]:
 
 
 def misfit(sets: DataSets, owner: Places, end: FloatArray) -> Objective:
-    """Sum of squares of Eq. (34), in ln(k, p, kappa, q) and in that of the gap of v_c below an end.
+    """Sum of squares of Eq. (34), in logarithms of k, p, kappa, q and of the gap of v_c to an end.
 
     Parameters
     ----------

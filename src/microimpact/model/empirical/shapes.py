@@ -287,8 +287,8 @@ def profile(
     last = np.array(table(name).shape[:PARAMETERS]) - 1.0
 
     def objective(x: FloatArray, rows: Places) -> tuple[FloatArray, FloatArray, FloatArray]:
-        found = curve(name, x, at[rows]) * weight[rows, :, None]
-        return squares(found[..., PARAMETERS] - (weight * e)[rows], found[..., :PARAMETERS])
+        weighted = curve(name, x, at[rows]) * weight[rows, :, None]
+        return squares(weighted[..., PARAMETERS] - (weight * e)[rows], weighted[..., :PARAMETERS])
 
     begun = starts
     if not len(starts):
