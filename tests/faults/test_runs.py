@@ -2,7 +2,7 @@
 
 The undisturbed run is on one core, another on two, in another zone and language, with another seed
 of Python's hashes and a path with letters beyond ASCII. All load the same compiled code: where it
-is compiled anew, the last digits may differ (by 8e-6 at most, in `fit_coverage.bias`).
+is compiled anew, the last digits may differ.
 """
 
 from __future__ import annotations

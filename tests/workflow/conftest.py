@@ -21,16 +21,6 @@ SMALL = ("--configfile", "config/ci.yaml")
 TINY = {
     "inference": {"draws": 60},
     "campaign": {"stop": {"events": 4, "fewest_events": 2, "most_dropped": 1000}},
-    "fit_coverage": {
-        "noise_of_e": [0.01],
-        "lowest_speeds_in_v_c": [1.5],
-        "sets": 2,
-        "averaged": {
-            "designs": [
-                f"{law}, one size, taken as exact" for law in ("viscous JKR", "Thornton-Ning")
-            ]
-        },
-    },
     "interval_coverage": {
         "experiments": 20,
         "events": 4,

@@ -248,19 +248,6 @@ use rule analysis as external_evidence with:
         **parameters("external_evidence"),
 
 
-use rule analysis as fit_coverage with:
-    """tables/fit_coverage.csv and others: how well the capture velocity is found and predicted."""
-    input:
-        **tables("calibration", "restitution_fits"),
-    output:
-        **tables("fit_coverage", "averaged_intervals", "capture_predictions"),
-        **data("capture_recovery", "averaged_coverage"),
-    pathvars:
-        analysis="fit_coverage",
-    params:
-        **parameters("fit_coverage"),
-
-
 use rule analysis as inference with:
     """tables/evidence_*.csv, posterior_contacts.csv: the contact, by several laws and scenarios."""
     input:

@@ -24,8 +24,6 @@ from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.empirical.comparison import compare_models
-from microimpact.model.empirical.data import data_sets
-from microimpact.model.empirical.search import fit_batch
 from microimpact.model.law.table import tabulate
 
 GLASS: Any = dict.fromkeys(("particle", "surface"), materials["glass"]) | {"diameter": 5e-5}
@@ -46,7 +44,6 @@ def _use_others() -> None:
     """Use fits, another law of contact and instruments."""
     speed, impacts, rng = np.geomspace(1.0, 10.0, 8), _impacts(), np.random.default_rng(1)
     simulate(CONTACT.by_law(JKR(viscous_time=1e-9), 0.1), speed)
-    fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))
     compare_models(speed, 0.8 - 0.1 / speed, 0.01)
     probe: Any = SimpleNamespace(probe_across_um=100.0, probe_along_um=100.0)
     pdpa.passages(impacts, 1e-3, probe)

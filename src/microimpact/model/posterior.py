@@ -31,7 +31,7 @@ from microimpact.model.empirical.data import (
     SMALLEST_SIZE_SCATTER,
     DataSets,
 )
-from microimpact.model.empirical.kernel import LN_SIGMA, LN_SIZE, PARAMETERS, SCATTERED, curves
+from microimpact.model.empirical.kernel import LN_SIGMA, LN_SIZE, PARAMETERS, SCATTERED
 
 LAWS = ("ring force", "viscous JKR", "Thornton-Ning", "hysteresis")
 
@@ -126,6 +126,7 @@ def calibrate_laws(
     *,
     draws: int = 400,
     seed: int = 0,
+    progress: Callable[[str], object] | None = None,
 ) -> LawDraws:
     """Draw contacts by several laws from measured restitutions in normal impacts.
 
@@ -144,6 +145,8 @@ def calibrate_laws(
         Number of contacts, shared among the laws by weight.
     seed
         Of all random numbers, 0 or more.
+    progress
+        Takes a sentence before each law is drawn, how far it is.
 
     Raises
     ------
@@ -171,9 +174,12 @@ def calibrate_laws(
     reference = contact.reference_velocity
     if reference is None:
         reference = data.unit[0] * np.exp(np.mean(np.log(data.v)))
-    contacts, best = {}, {}
+    contacts, best, drawn = {}, {}, 0
     for model, number in zip(comparison.models, _shares(comparison, draws), strict=True):
         if number:
+            if progress is not None:
+                progress(f"{drawn} of {draws} contacts are drawn, next those of {model.name}")
+            drawn += number
             points, highest = _drawn(model.name, data, widened, number, seed)
             all_draws = _contacts(model.name, contact, points, float(reference))
             contacts[model.name] = all_draws
@@ -251,8 +257,7 @@ def _drawn(
     law: str, data: DataSets, widened: float, draws: int, seed: int
 ) -> tuple[FloatArray, int]:
     """Places in a law's table and v_c in m/s (draws, 4), and the number of the best of them."""
-    table = shapes.table(law)
-    last = np.array(table.shape[:PARAMETERS]) - 1.0
+    last = np.array(shapes.table(law).shape[:PARAMETERS]) - 1.0
     free = np.flatnonzero(last > 0.0)
     low = [*np.zeros(free.size), np.log(LEAST)]
     high = [*last[free], float(np.log(data.reach[0]))]
@@ -271,9 +276,8 @@ def _drawn(
     def log_likelihood(points: FloatArray) -> FloatArray:
         at, v_c = places(points), np.exp(points[:, free.size])
         if data.scatter is not None:
-            return -0.5 * scatter.deviances(law, data, v_c, at)
-        e = np.empty((len(points), data.v.shape[1]))
-        curves(table, shapes.places(data.v / v_c[:, None]), at, e)
+            return -0.5 * scatter.deviance_at(law, data, v_c, at)
+        e = shapes.curve(law, at, shapes.places(data.v / v_c[:, None]))[..., PARAMETERS]
         return np.asarray(-0.5 * np.sum(np.square((e - data.e) * data.weight / widened), axis=1))
 
     names = [*(f"axis {k}" for k in free), "v_c", "scatter of size"]

@@ -116,8 +116,9 @@ def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
     claim = judged(name, changes, folder)
     facts = folder / "tables/external_evidence.csv" if folder else None
     evidence = independent({name: claim.claim}, read_table(facts)) if facts else pd.DataFrame()
-    function = CLAIMS[name].function
-    where = f"{inspect.getsourcefile(function)}:{inspect.getsourcelines(function)[1]}"
+    where = ""
+    if function := CLAIMS[name].function:
+        where = f"{inspect.getsourcefile(function)}:{inspect.getsourcelines(function)[1]}"
     makers = analyses.needs(STUDY)
     source = str(folder or "computed now")
     if changes:

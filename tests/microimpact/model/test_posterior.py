@@ -101,7 +101,10 @@ def test_a_law_that_does_not_fit_is_told_and_sigma_widened(bodies, monkeypatch):
     monkeypatch.setattr(posterior, "_drawn", lambda *a: widened.append(a[2]) or _drawn(*a))
     v, e = rebounds(bodies, 3)
     e = e - 0.1 * np.sin(8.0 * np.log(v / v.min()))
-    drawn = calibrate_laws(bodies, v, np.clip(e, 0.01, 1.0), 0.005, draws=50)
+    told = []
+    drawn = calibrate_laws(bodies, v, np.clip(e, 0.01, 1.0), 0.005, draws=50, progress=told.append)
+    assert told[0].startswith("0 of 50 contacts are drawn, next those of ")
+    assert len(told) == len(drawn.contacts)
     assert drawn.misfit.probability < 1e-6
     assert set(widened) == {drawn.comparison.scatter}
     assert drawn.comparison.scatter > 3.0

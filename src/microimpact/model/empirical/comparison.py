@@ -4,7 +4,7 @@ Each model of e(v) has its own profile of chi-square over v_c. Models are weight
 criterion, corrected for few data where sigma is estimated (AICc; Burnham and Anderson 2002). The
 interval is that of averaged tail areas (Fletcher and Turek 2012): what the models' signed roots of
 chi-square leave beyond an end, averaged with these weights, is half of what the confidence leaves.
-The study `fit_coverage` tells how often it holds the true v_c.
+`python -m benchmarks.coverage` tells how often it holds the true v_c.
 
 The laws of contact need no material here: see `microimpact.model.empirical.shapes`.
 """
@@ -31,6 +31,7 @@ from microimpact.model.empirical.data import (
     Places,
     Scatter,
     in_own_units,
+    is_contradicted,
     measurements,
     require_telling,
     scatter_of,
@@ -43,14 +44,15 @@ from microimpact.model.empirical.search import STARTS, Minima, profile
 
 CONFIDENCE = Range(lower=0.0, upper=1.0)
 FRACTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
-SPREAD = Range(lower=0.0, upper=1.0, upper_closed=True)
+SPREAD = Range(lower=1e-12, upper=1.0, lower_closed=True, upper_closed=True)
 # Data from the slowest rebound upwards: fewer leave no model a degree of freedom.
 FEWEST = 5
 # A scatter of e above this, where no model explains half of the variance, is no curve.
 WILD = 0.15
 # Within this factor of v_c a speed is near capture.
 NEAR = 1.3
-TINY = 1e-300
+# Numbers below the first count as it; logarithms above the second as that.
+TINY, LARGEST_LOG = 1e-300, 600.0
 # v_c is sought between these shares of the smallest rebounding speed.
 LEAST, GREATEST = 1e-3, 1.0 - 1e-6
 # Values of v_c in a profile, at first every third of them, for then there are neighbours to start
@@ -132,7 +134,7 @@ class Candidate(NamedTuple):
             v_c = v_c * data.reach[owner]
             return scatter.profile(self.law, self.q, data, owner, v_c, starts)
         if self.law is not None:
-            return shapes.profile(self.law, data, owner, v_c, *starts)
+            return shapes.profile(self.law, data, owner, v_c, starts)
         fresh = 0 if len(starts) else len(STARTS)
         return profile(replace(data, q=self.q), owner, 1.0 - v_c, *starts, fresh=fresh)
 
@@ -182,6 +184,8 @@ class Comparison(Readable):
         Median diameter, whose v_c this is, m; None where no diameters are given.
     size_scatter
         Relative standard deviation of the diameter by the best model, if that was to be found.
+    left_out
+        Names of the models that need more rows than there are.
     warnings
         What speaks against trusting the interval, in sentences.
     """
@@ -195,6 +199,7 @@ class Comparison(Readable):
     exact: bool
     diameter: float | None
     size_scatter: float | None
+    left_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = field(repr=False)
 
     def summary(self) -> str:
@@ -253,7 +258,8 @@ def compare_models(
 
     Where the best model leaves more scatter than sigma admits, sigma is taken larger by that much.
     Without `sigma_v`, `d` and `size_scatter` speeds are taken as exact, and spheres as of one size;
-    with one of them models are averaged as `microimpact.model.empirical.scatter` says.
+    with one of them models are averaged as `microimpact.model.empirical.scatter` says. If captures
+    then lie above rebounds that should be captured too, the scatter of size is found instead.
 
     Parameters
     ----------
@@ -263,7 +269,7 @@ def compare_models(
         Coefficients of restitution (n,), in [0, 1], or above by three sigma; 0 for a captured
         sphere.
     sigma
-        Standard deviation of e, one number or (n,); None: one for all, estimated.
+        Standard deviation of e, one number or (n,), 1e-12 to 1; None: one for all, estimated.
     sigma_v
         Standard deviation of v, m/s, one number or (n,); None: 0.
     d
@@ -281,6 +287,8 @@ def compare_models(
     TypeError, ValueError
         If a model is unknown, numbers are out of range or too few, no sphere rebounds, or e hardly
         depends on v in the way that a rebound does.
+    RuntimeError
+        If the calculation goes wrong.
     """
     return compare_sets(
         [(v, e, sigma, sigma_v, d, size_scatter)], confidence=confidence, models=models
@@ -346,7 +354,10 @@ def _checked(
     if open_sizes is None:
         return data, order, sigma is not None, None
     rows, free, diameter = open_sizes
-    said = Scatter(rows[None, :, order], free, sigma is None)
+    contradicted = not free and is_contradicted(speed, measured, rows)
+    if contradicted:
+        rows[2] = 1.0
+    said = Scatter(rows[None, :, order], free or contradicted, sigma is None, contradicted)
     return replace(data, scatter=said), order, sigma is not None, diameter
 
 
@@ -368,45 +379,30 @@ def _compared(
 
     ``rows`` are the numbers (n,), from 1, that the points of each set had before they were sorted.
     """
-    spare = 0 if known else 2  # AICc divides by what is left
     more = int(sets.scatter is not None and sets.scatter.free_size)
-    tried = {
-        name: model._replace(free=model.free + more)
-        for name, model in candidates.items()
-        if count > model.free + more + spare
-    }
-    if not tried:
-        fewest = 1 + spare + more + min(model.free for model in candidates.values())
-        raise ValueError(
-            f"v must hold at least {fewest} points from the smallest rebounding speed upwards for "
-            f"these models, got {count}"
-        )
+    tried = _affordable(candidates, more, count, known)
+    left_out = tuple(name for name in candidates if name not in tried)
     free = np.array([model.free for model in tried.values()])[:, None]
-    drawn = [_drawn(model, sets, count - model.free, known) for model in tried.values()]
+    drawn = [_drawn(model, sets, count, known) for model in tried.values()]
     profiles, v_c = (np.stack([getattr(best, name) for best in drawn]) for name in ("rows", "v_c"))
     least = profiles[..., 1].min(axis=2)
-    chi_square = least
+    chi_square = least if known else count * np.exp(np.minimum(least / count, LARGEST_LOG))
     if sets.scatter is not None and known:
-        chi_square = np.array(
-            [
-                [
-                    np.sum(_residuals(data, order, model, x, at, known).in_sigma ** 2)
-                    for data, order, x, at in zip(sets.split(), rows, best.x, best.v_c, strict=True)
-                ]
-                for model, best in zip(tried.values(), drawn, strict=True)
-            ]
-        )
+        chi_square = _misfits(sets, rows, tried, drawn)
     leftover = chi_square / (count - free)  # variance of e in units of sigma squared
     criterion = _criterion(least, leftover, free, count, known)
     best, every = np.argmin(criterion, axis=0), np.arange(len(sets.unit))
     criterion = criterion - criterion[best, every]
     weights = np.exp(-0.5 * criterion)
     weights /= weights.sum(axis=0)
-    left = leftover[best, every]
-    widened = np.maximum(1.0, left)
+    widened = np.maximum(1.0, left := leftover[best, every])
+    rise = (profiles[..., 1] - least[..., None]) / (widened[:, None] if known else count)
+    if not known:
+        # That of the sum of squares, over sigma squared; its logarithm may exceed all numbers.
+        rise = (count - free)[..., None] * np.expm1(np.minimum(rise, LARGEST_LOG))
     # With sigma known the signed roots are normal; else, of Student's distribution.
     freedom = np.where(known & (widened == 1.0), np.inf, count - free)
-    tails = _Tails(profiles, v_c, widened if known else leftover, freedom)
+    tails = _Tails(profiles[..., 0], np.sqrt(rise), v_c, freedom)
     scattered = np.zeros(every.size)
     for k in np.unique(best) if sets.scatter is None else ():
         chosen, model = np.flatnonzero(best == k), list(tried.values())[k]
@@ -437,6 +433,7 @@ def _compared(
         residuals = _residuals(data, rows[i], winner, x, float(v_c[k, i]), known)
         _require_a_curve(residuals)
         sigma = np.exp(x[LN_SIGMA]) if data.scatter is not None else np.sqrt(left[i])
+        words = _warnings(data, fitted, residuals, float(middle[i]), interval, scattered[i])
         compared.append(
             Comparison(
                 models=tuple(fitted),
@@ -448,12 +445,68 @@ def _compared(
                 exact=data.scatter is None,
                 diameter=diameters[i],
                 size_scatter=float(np.exp(x[LN_SIZE])) if more else None,
-                warnings=tuple(
-                    _warnings(data, fitted, residuals, float(middle[i]), interval, scattered[i])
-                ),
+                left_out=left_out,
+                warnings=(*words, *_about_rows(left_out, count)),
             )
         )
+        _require_sound(compared[-1])
     return compared
+
+
+def _require_sound(comparison: Comparison) -> None:
+    """Refuse an average that no right calculation can give."""
+    low, high = comparison.v_c_interval
+    weights = np.array([model.weight for model in comparison.models])
+    ends = np.array([model.interval for model in comparison.models if model.weight >= LIGHT])
+    if not (
+        low <= comparison.v_c <= high
+        and 0.0 <= low < high < np.inf
+        and ends[:, 0].min() <= comparison.v_c <= ends[:, 1].max()
+        and abs(weights.sum() - 1.0) < 1e-9
+    ):
+        raise RuntimeError(
+            f"the average of models went wrong in these data: v_c = {comparison.v_c:g} m/s, from "
+            f"{low:g} to {high:g} m/s, where the models say {ends[:, 0].min():g} to "
+            f"{ends[:, 1].max():g} m/s"
+        )
+
+
+def _misfits(
+    sets: DataSets, rows: Sequence[Places], tried: dict[str, Candidate], drawn: list[_Drawn]
+) -> FloatArray:
+    """Sums of squares over sigma (k, r) under scatter, where the deviance has other terms, too."""
+    return np.array(
+        [
+            [
+                np.sum(_residuals(data, order, model, x, at, known=True).in_sigma ** 2)
+                for data, order, x, at in zip(sets.split(), rows, best.x, best.v_c, strict=True)
+            ]
+            for model, best in zip(tried.values(), drawn, strict=True)
+        ]
+    )
+
+
+def _affordable(
+    candidates: dict[str, Candidate], more: int, count: int, known: bool
+) -> dict[str, Candidate]:
+    """Models that so many points are enough for, with so many more free parameters."""
+    tried = {
+        name: model._replace(free=model.free + more)
+        for name, model in candidates.items()
+        if count > model.free + more + _spare(known)
+    }
+    if not tried:
+        fewest = 1 + _spare(known) + more + min(model.free for model in candidates.values())
+        raise ValueError(
+            f"v must hold at least {fewest} points from the smallest rebounding speed upwards for "
+            f"these models, got {count}"
+        )
+    return tried
+
+
+def _spare(known: bool) -> int:
+    """Number of data beyond one more than the free parameters: AICc divides by the rest."""
+    return 0 if known else 2
 
 
 def _in_metres(
@@ -471,19 +524,22 @@ def _likelier_scatter(
     ``drawn`` are its profiles in all data sets, of which ``sets`` are the chosen ones (r,).
     """
     many, count = chosen.size, int(np.sum(sets.v[0] >= 1.0))
+    if count <= model.free + 1 + _spare(known):
+        return np.zeros(many)
     rows = np.zeros((many, 3, sets.v.shape[1]))
     rows[:, 2] = 1.0
     scattered = replace(sets, scatter=Scatter(rows, free_size=True, free_sigma=not known))
     least = drawn.rows[chosen, :, 1].min(axis=1)
     start = np.zeros((many, SCATTERED))
-    start[:, :V_C] = drawn.x[chosen, :V_C]
+    curve = drawn.x[chosen, :V_C]
+    start[:, : curve.shape[1]] = curve
     start[:, LN_SIZE] = np.log(FIRST_SIZE)
     if not known:
-        start[:, LN_SIGMA] = 0.5 * np.log(np.maximum(0.5 * least / count, TINY))
+        start[:, LN_SIGMA] = 0.5 * (least / count + np.log(0.5))
     owner = np.repeat(np.arange(many), len(NEARBY))
     v_c = (drawn.v_c[chosen, None] * NEARBY / scattered.reach[:, None]).ravel()
     searched = model.profile(scattered, owner, v_c, start[None, owner])
-    each = searched.chi_square.reshape(many, len(NEARBY))
+    each = searched.value.reshape(many, len(NEARBY))
     at = np.arange(many), each.argmin(axis=1)
     free, even = np.array([[model.free], [model.free + 1]]), np.ones((2, 1))
     criterion = _criterion(np.stack([least, each[at]]), even, free, count, known)
@@ -492,20 +548,27 @@ def _likelier_scatter(
 
 
 class _Drawn(NamedTuple):
-    """Profiles of r data sets: v_c in their units and chi-square, and where that is least."""
+    """Profiles of r data sets: v_c in their units and the deviance, and where that is least.
 
-    rows: FloatArray  # v_c and chi-square (r, g, 2)
+    The deviance is chi-square where sigma is known and n ln(sum of squares/n) where it is not,
+    or what scatter makes of these.
+    """
+
+    rows: FloatArray  # v_c and deviance (r, g, 2)
     v_c: FloatArray  # The best (r,)
     x: FloatArray  # The variables there (r, 5)
 
 
-def _drawn(model: Candidate, sets: DataSets, freedom: int, known: bool) -> _Drawn:
+def _drawn(model: Candidate, sets: DataSets, count: int, known: bool) -> _Drawn:
     """Draw profiles, closer and closer about their low parts."""
-    every = np.arange(len(sets.unit))
+    every, freedom = np.arange(len(sets.unit)), count - model.free
 
     def searched(owner: Places, v_c: FloatArray, starts: FloatArray) -> FloatArray:
-        """v_c, chi-square and the variables of each search (m, 7)."""
-        return np.column_stack([v_c, *model.profile(sets, owner, v_c, starts)[:2]])
+        """v_c, the deviance and the variables of each search (m, ...)."""
+        deviance, x = model.profile(sets, owner, v_c, starts)[:2]
+        if sets.scatter is None and not known:
+            deviance = count * np.log(np.maximum(deviance, TINY) / count)
+        return np.column_stack([v_c, deviance, x])
 
     first = np.append(FIRST_VALUES[:-1:APART], GREATEST)
     owner, v_c = np.repeat(every, first.size), np.tile(first, every.size)
@@ -521,8 +584,12 @@ def _drawn(model: Candidate, sets: DataSets, freedom: int, known: bool) -> _Draw
         rows = np.concatenate([rows, more], axis=1)
         rows = np.take_along_axis(rows, np.argsort(rows[..., :1], axis=1, kind="stable"), axis=1)
         rise = rows[..., 1] - (lowest := rows[..., 1].min(axis=1, keepdims=True))
-        unit = np.maximum(lowest / freedom, 1.0 if known else TINY)
-        low, last = rise < NEGLIGIBLE * unit, rows.shape[1] - 1
+        negligible = (
+            NEGLIGIBLE * np.maximum(lowest / freedom, 1.0)
+            if known
+            else count * np.log1p(NEGLIGIBLE / freedom)
+        )
+        low, last = rise < negligible, rows.shape[1] - 1
         ends = low.argmax(axis=1) - 1, last - low[:, ::-1].argmax(axis=1) + 1
         start, stop = (rows[every, np.clip(end, 0, last), 0] for end in ends)
         between = np.linspace(start, stop, VALUES, axis=1)[:, 1:-1]
@@ -533,21 +600,18 @@ def _drawn(model: Candidate, sets: DataSets, freedom: int, known: bool) -> _Draw
 class _Tails:
     """Shares of the probability of v_c below a value, by the signed root of chi-square's rise.
 
-    Of k models and r data sets: profiles (k, r, g, 2), the best v_c (k, r), and variance and
-    degrees of freedom, of shapes that broadcast to (k, r).
+    Of k models and r data sets: v_c of the profiles and the roots without sign (k, r, g), the best
+    v_c (k, r), and degrees of freedom, of a shape that broadcasts to (k, r).
     """
 
     def __init__(
-        self, profiles: FloatArray, v_c: FloatArray, variance: FloatArray, freedom: FloatArray
+        self, values: FloatArray, roots: FloatArray, v_c: FloatArray, freedom: FloatArray
     ) -> None:
-        self.values, chi_square = np.moveaxis(profiles, -1, 0)
-        self.freedom = np.broadcast_to(freedom, v_c.shape)
-        rise = chi_square - chi_square.min(axis=-1, keepdims=True)
-        rise = np.sqrt(rise / np.maximum(variance, TINY)[..., None])
+        self.values, self.freedom = values, np.broadcast_to(freedom, v_c.shape)
         # Beyond a valley counts what lies lower further out: the profile of a missed minimum.
-        below = self.values < v_c[..., None]
-        outer = np.minimum.accumulate(np.where(below, rise, np.inf), axis=-1)
-        inner = np.minimum.accumulate(np.where(below, np.inf, rise)[..., ::-1], axis=-1)
+        below = values < v_c[..., None]
+        outer = np.minimum.accumulate(np.where(below, roots, np.inf), axis=-1)
+        inner = np.minimum.accumulate(np.where(below, np.inf, roots)[..., ::-1], axis=-1)
         self.roots = np.where(below, -outer, inner[..., ::-1])
 
     def below(self, v_c: FloatArray, rows: Places) -> FloatArray:
@@ -591,16 +655,17 @@ def _averaged(weights: FloatArray, tails: _Tails, level: float) -> FloatArray:
 def _criterion(
     least: FloatArray, leftover: FloatArray, free: FloatArray, count: int, known: bool
 ) -> FloatArray:
-    """Akaike's criterion; that for few data where sigma is estimated, too.
+    """Akaike's criterion of the least deviance; that for few data where sigma is estimated, too.
 
     With sigma too small for every model, chi-square counts in units of what the best leaves.
     """
+    if not np.isfinite(least).all():
+        raise RuntimeError("the search for v_c met numbers that are not finite in these data")
     if known:
         unit = np.maximum(1.0, np.min(leftover, axis=0))
         return np.asarray(least / unit + 2.0 * free)
     numbers = free + 1
-    loss = count * np.log(np.maximum(least, TINY) / count)
-    return np.asarray(loss + 2.0 * numbers * count / (count - numbers - 1.0))
+    return np.asarray(least + 2.0 * numbers * count / (count - numbers - 1.0))
 
 
 class _Residuals(NamedTuple):
@@ -681,6 +746,28 @@ def _warnings(
             f"one model alone, {models[0].name}, carries the interval, which supposes it true: of "
             "another curve such an interval is too narrow"
         )
+    yield from _about_captures(data, v_c)
+    if interval[0] == 0.0:
+        yield "the data do not bound v_c from below"
+    if interval[1] == data.unit[0] * data.reach[0]:
+        yield (
+            "the upper end is the slowest rebound itself"
+            if data.scatter is None
+            else "the data do not bound v_c from above"
+        )
+
+
+def _about_rows(left_out: tuple[str, ...], count: int) -> Iterator[str]:
+    if left_out:
+        yield f"models left out, for {count} rows are too few for them: {', '.join(left_out)}"
+
+
+def _about_captures(data: DataSets, v_c: float) -> Iterator[str]:
+    if data.scatter is not None and data.scatter.contradicted:
+        yield (
+            "captures lie farther above rebounds than the errors of speed and size stated allow: "
+            "these sizes are taken to scatter as much as the data say"
+        )
     slowest, exact = float(data.unit[0]), data.scatter is None
     captured = slowest * data.v[data.e == 0.0]
     if slowest > NEAR * v_c and not (captured > v_c / NEAR).any():
@@ -692,14 +779,6 @@ def _warnings(
         yield (
             f"captures up to {nearest:.3g} m/s and rebounds from {slowest:.3g} m/s on overlap: "
             "the spheres or the places do not share one v_c"
-        )
-    if interval[0] == 0.0:
-        yield "the data do not bound v_c from below"
-    if interval[1] == slowest * data.reach[0]:
-        yield (
-            "the upper end is the slowest rebound itself"
-            if exact
-            else "the data do not bound v_c from above"
         )
 
 

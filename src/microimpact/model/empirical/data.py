@@ -18,16 +18,22 @@ from microimpact.core.arrays import (
     Range,
     checked,
 )
-from microimpact.model.empirical.kernel import MEASURED, SPEED, WEIGHT
+from microimpact.model.empirical.kernel import LEAST_SCATTER
 
 Places = npt.NDArray[np.intp]
 Given = Numbers | ArrayLike
 
+# Beyond these, numbers are not those of an impact, and their ratios not those of a computer.
+SPEEDS = Range(lower=1e-9, upper=1e6, lower_closed=True, upper_closed=True)
+SPEED_ERRORS = Range(lower=0.0, upper=1e6, lower_closed=True, upper_closed=True)
+DIAMETERS = Range(lower=1e-12, upper=1e3, lower_closed=True, upper_closed=True)
 # Bounds of relative standard deviations of speed and diameter, and of that which is to be found;
-# exponent of v_c in 1/d that few laws exceed.
+# exponent of v_c in 1/d that few laws exceed, and that few fall short of.
 RELATIVE = Range(lower=0.0, upper=0.5, lower_closed=True)
 SMALLEST_SIZE_SCATTER, LARGEST_SIZE_SCATTER = 0.002, 0.4
-STEEP = 1.8
+STEEP, FLAT = 1.8, 0.8
+# So many standard deviations no sphere of a set is off.
+FAR_OFF = 4.0
 FREE = "free"
 
 
@@ -39,7 +45,7 @@ def measurements(
     Parameters
     ----------
     v
-        Normal impact speeds (n,), m/s; positive.
+        Normal impact speeds (n,), m/s, within ``SPEEDS``.
     e
         Coefficients of restitution (n,), within ``e_range``.
     sigma
@@ -50,7 +56,7 @@ def measurements(
     TypeError, ValueError
         If an argument does not hold real numbers, or they are out of range, or shapes differ.
     """
-    speed = np.atleast_1d(checked("v", v, POSITIVE))
+    speed = np.atleast_1d(checked("v", v, SPEEDS))
     measured = np.atleast_1d(checked("e", e, e_range))
     spread = np.asarray(checked("sigma", sigma, sigma_range))
     if speed.ndim != 1 or speed.shape != measured.shape:
@@ -96,8 +102,8 @@ def scatter_of(
         raise ValueError(f"size_scatter must be numbers or {FREE!r}, got {size_scatter!r}")
     spread = 0.0 if size_scatter is None else size_scatter
     size = 1.0 if free else checked("size_scatter", spread, RELATIVE)
-    speed = checked("sigma_v", 0.0 if sigma_v is None else sigma_v, NON_NEGATIVE)
-    diameter = checked("d", 1.0 if d is None else d, POSITIVE)
+    speed = checked("sigma_v", 0.0 if sigma_v is None else sigma_v, SPEED_ERRORS)
+    diameter = checked("d", 1.0 if d is None else d, DIAMETERS)
     for name, value in {"sigma_v": speed, "d": diameter, "size_scatter": size}.items():
         if np.shape(value) not in {(), v.shape}:
             raise ValueError(
@@ -107,6 +113,27 @@ def scatter_of(
     median = float(np.median(diameter))
     arrays = np.broadcast_arrays(np.log(np.divide(diameter, median)), np.divide(speed, v), size)
     return np.stack([np.asarray(a, float) for a in arrays]), free, None if d is None else median
+
+
+def is_contradicted(v: FloatArray, e: FloatArray, rows: FloatArray) -> bool:
+    """Tell whether captures lie farther above rebounds than errors and sizes allow, for any v_c.
+
+    Parameters
+    ----------
+    v, e
+        Normal speeds, m/s, and restitutions, (n,).
+    rows
+        Rows of `Scatter`, (3, n).
+    """
+    log_d, speed, size = rows
+    if np.all(e > 0.0):
+        return False
+    for exponent in np.linspace(FLAT, STEEP, 6):
+        middle = np.log(v) + exponent * log_d
+        off = FAR_OFF * np.hypot(speed, exponent * size) + LEAST_SCATTER
+        if np.max((middle - off)[e == 0.0]) <= np.min((middle + off)[e > 0.0]):
+            return False
+    return True
 
 
 def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -> None:
@@ -141,7 +168,7 @@ def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -
             )
 
 
-ARRAYS = ("points", "unit", "top")
+ARRAYS = ("v", "e", "weight", "unit", "top")
 
 
 class Scatter(NamedTuple):
@@ -152,35 +179,21 @@ class Scatter(NamedTuple):
     rows: FloatArray
     free_size: bool  # Whether the scatter of size is to be found
     free_sigma: bool  # Whether sigma of e is
+    contradicted: bool = False  # Whether that of size is, since the one stated cannot be
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DataSets:
     """Data sets (r, n), checked, in units of the slowest rebounding speed of each."""
 
-    # As they are searched (r, 4, n): speeds and their logarithms, coefficients of restitution, and
-    # 1/sigma, 0 for a datum that is not there.
-    points: FloatArray
+    v: FloatArray  # Speeds (r, n)
+    e: FloatArray  # Coefficients of restitution (r, n)
+    weight: FloatArray  # 1/sigma, 0 for a datum that is not there (r, n)
     # The slowest rebounding speed (r,), m/s, and the largest speed in its units.
     unit: FloatArray
     top: FloatArray
     q: float | None  # Exponent of Eq. (33), or None where it is free.
     scatter: Scatter | None = None  # None: speeds are exact and all spheres of one size
-
-    @property
-    def v(self) -> FloatArray:
-        """Speeds (r, n)."""
-        return self.points[:, SPEED]
-
-    @property
-    def e(self) -> FloatArray:
-        """Coefficients of restitution (r, n)."""
-        return self.points[:, MEASURED]
-
-    @property
-    def weight(self) -> FloatArray:
-        """1/sigma (r, n)."""
-        return self.points[:, WEIGHT]
 
     def select(self, rows: slice | Places) -> DataSets:
         """Index the data sets."""
@@ -261,8 +274,7 @@ def in_own_units(v: FloatArray, e: FloatArray, weight: FloatArray, q: float | No
     unit = np.where((weight > 0.0) & (e > 0.0), v, np.inf).min(axis=1)
     ratio = v / unit[:, None]
     top = np.where(weight > 0.0, ratio, 0.0).max(axis=1)
-    points = np.stack([ratio, np.log(ratio), e, weight], axis=1)
-    return DataSets(points=points, unit=unit, top=top, q=q)
+    return DataSets(v=ratio, e=e, weight=weight, unit=unit, top=top, q=q)
 
 
 def stacked_sets(parts: Sequence[DataSets]) -> DataSets:

@@ -185,7 +185,7 @@ def _interval(fit: RestitutionFit) -> str:
 
 # Measured with noise, e may come out somewhat above 1; far above it is no normal impact.
 MEASURED_E = Range(lower=0.0, upper=1.2, lower_closed=True, upper_closed=True)
-SIGMA = Range(lower=1e-12, lower_closed=True)
+SIGMA = Range(lower=1e-12, upper=1e12, lower_closed=True, upper_closed=True)
 CONFIDENCE = Range(lower=0.0, upper=1.0)
 # Below this share of the data a misfit is rounding.
 ROUNDING = 1e-10
@@ -220,7 +220,7 @@ def fit_restitution(
     e
         Coefficients of restitution (n,), in [0, 1.2]; 0 for a captured sphere.
     sigma
-        Standard deviation of e, one number or (n,); 1e-12 or more. None: one number for all,
+        Standard deviation of e, one number or (n,); 1e-12 to 1e12. None: one number for all,
         estimated from the residuals.
     q
         Exponent of Eq. (33), positive; None: free.

@@ -83,7 +83,7 @@ class _Way:
         """Root of the rise of chi-square, nearly linear in v_c, less the root at the limit."""
         owner = rows % len(self.sets.unit)
         minimum = profile(self.sets, owner, gap, self.logs[rows], fresh=int(fresh))
-        chi_square, logs = minimum.chi_square, minimum.x[:, :V_C]
+        chi_square, logs = minimum.value, minimum.x[:, :V_C]
         value = np.sqrt(np.maximum(chi_square - self.minimum[rows], 0.0)) - self.limit[rows]
         within, lower = value <= 0.0, chi_square < self.least[rows]
         self.logs[rows[within]] = logs[within]

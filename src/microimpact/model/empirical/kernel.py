@@ -1,12 +1,7 @@
-"""Compiled search for least squares by Levenberg and Marquardt, many side by side, of two curves.
+"""Compiled curves of the laws of contact, by their tables, and likelihoods under scatter.
 
-A curve is Eq. (34), of which `microimpact.model.empirical.search.model` is the plain form, or a law
-of contact by its table: the cubic through the four nearest places of each axis.
-
-``LANES`` searches advance together; one that has ended gives its lane to the next. What a search
-finds does not depend on its neighbours. The loops over lanes compile to SIMD code, for they have a
-length known to the compiler, the rows of an array are a known distance apart, and `_exp` and
-`_log` are polynomials without branches.
+A table has e over three parameters and v/v_c; between its places e is the cubic through the four
+nearest of each axis.
 """
 
 from __future__ import annotations
@@ -17,286 +12,17 @@ import numpy as np
 
 from microimpact.core.compiled import jit
 
-# A search ends where the quadratic model and the step taken lower chi-square by less than a share
-# of it, its tolerance, where no damping finds a lower point, or where nothing is left of it.
-STUCK = 1e10
-ITERATIONS = 300
-# Damping at the start and the least, as shares of the diagonal of the normal matrix, and the
-# largest decrease after one step.
-FIRST_DAMPING = 1e-3
-LIGHTEN = 1.0 / 3.0
-LEAST_DAMPING = 1e-9
-# The damping at which a small decrease means a minimum and not a small step.
-LIGHT_DAMPING = 0.1
-# Keeps a normal matrix of full rank in directions that the data do not determine.
-RIDGE = 1e-14
-
-LANES = 32
-VARIABLES = 5
-# Places of two of the variables ln(k, p, kappa, q, gap); the last stands for v_c.
-Q, V_C = 3, 4
-
-# Points are evaluated some at a time, so that fewer sums go through memory. Rows of the points of
-# each lane, four to a point: v less the end of its range, or place in a table; ln v, e, 1/sigma.
-GROUP = 4
-SPEED, LOG_SPEED, MEASURED, WEIGHT = range(4)
-POINT_ROWS = 4
-
-# The slopes of a misfit in the variables are followed by the misfit itself; the sums of all their
-# products are the normal equations: matrix, half the gradient as last column, sum of squares.
-COLUMNS = VARIABLES + 1
-PRODUCTS = COLUMNS**2
-
-# Axes of a table before that of v/v_c, and the columns of the slopes along them and of the misfit.
+# Places of q among the variables ln(k, p, kappa, q, gap) of Eq. (34), and of the last, which stands
+# for v_c.
+Q, V_C, VARIABLES = 3, 4, 5
+# Axes of a table before that of v/v_c, and its columns after those of v/v_c: the exponent of v_c in
+# 1/d; places along the first axis per ln d; exponent in d of the adhesion damping at v_c, in units
+# of the contact.
 PARAMETERS = 3
-TABLED = (0, 1, 2, 5)
-
-# Rows of the state of each lane.
-X, LOW, HIGH, TRIAL, FREE = range(0, 5 * VARIABLES, VARIABLES)
-SUMS, NEW_SUMS, FACTOR = range(25, 25 + 3 * PRODUCTS, PRODUCTS)
-EXPECTED, DAMPING, HEAVIER, LEFT, CONVERGED, LOWER = range(133, 139)
-P, EXPONENT, GAP, LARGEST = range(139, 143)
-GRADIENT, CHI_SQUARE, NEW_CHI_SQUARE = SUMS + VARIABLES, SUMS + PRODUCTS - 1, FACTOR - 1
-STATE_ROWS = LARGEST + 1
-# Taylor series of exp, and that of log(m) = 2 artanh((m - 1)/(m + 1)); the highest powers first.
-_EXP = tuple(1.0 / math.factorial(k) for k in range(13, -1, -1))
-_LOG = tuple(2.0 / k for k in range(21, 0, -2))
-# ln 2 in two parts, the first short, so that its multiples are exact.
-_LN2_HIGH, _LN2_LOW = float.fromhex("0x1.62e42feep-1"), float.fromhex("0x1.a39ef35793c76p-33")
-# The last bits of a number so much larger hold its integer part.
-_SHIFT = 1.5 * 2.0**52
-_BITS_OF_ROOT_HALF = int(np.sqrt(0.5).view(np.int64))
-_LARGEST = 708.0
-
+BY_SIZE, SHIFT, GROWTH = 3, 1, 2
 
 _jit = jit()
 _jit_contract = jit(fastmath={"contract", "nsz"})
-_jit_inline = jit(inline="always")
-
-
-@_jit_inline
-def _exp(x):  # type: ignore[no-untyped-def]
-    """e^x, for an x within 708 of 0; one beyond is taken for that bound."""
-    x = min(max(x, -_LARGEST), _LARGEST)
-    shifted = x * (1.0 / math.log(2.0)) + _SHIFT
-    power = shifted - _SHIFT
-    rest = (x - power * _LN2_HIGH) - power * _LN2_LOW
-    value = _EXP[0]
-    for k in range(1, len(_EXP)):
-        value = value * rest + _EXP[k]
-    return value * np.int64((np.float64(shifted).view(np.int64) + 1023) << 52).view(np.float64)
-
-
-@_jit_inline
-def _log(x):  # type: ignore[no-untyped-def]
-    """Ln x of a positive, normal number."""
-    bits = np.float64(x).view(np.int64)
-    power = (bits - _BITS_OF_ROOT_HALF) >> 52
-    mantissa = np.int64(bits - (power << 52)).view(np.float64)
-    ratio = (mantissa - 1.0) / (mantissa + 1.0)
-    square = ratio * ratio
-    value = _LOG[0]
-    for k in range(1, len(_LOG)):
-        value = value * square + _LOG[k]
-    return (power * _LN2_LOW + ratio * value) + power * _LN2_HIGH
-
-
-@_jit_contract
-def enter(data, end, low, high, x, lane, points, state):  # type: ignore[no-untyped-def]
-    """Put a search, without data that are missing, on a lane; return its number of points.
-
-    Parameters
-    ----------
-    data
-        Rows of one data set: v, ln v, e, 1/sigma, (``POINT_ROWS``, n).
-    end
-        End of the range of v_c, in units of v.
-    low, high
-        Bounds of the variables, (``VARIABLES``,).
-    x
-        Start, (``VARIABLES``,).
-    lane
-        Lane that is free.
-    points, state
-        Points and state of all lanes, (rows, ``LANES``).
-    """
-    count = 0
-    for i in range(data.shape[1]):
-        if data[WEIGHT, i] > 0.0:
-            for row in range(POINT_ROWS):
-                points[POINT_ROWS * count + row, lane] = data[row, i]
-            points[POINT_ROWS * count + SPEED, lane] -= end
-            count += 1
-    for row in range(POINT_ROWS * count, len(points)):
-        points[row, lane] = 0.0
-    # Without slopes and with an endless sum of squares, the first step is to evaluate the start.
-    for row in range(SUMS, SUMS + PRODUCTS):
-        state[row, lane] = 0.0
-    for i in range(VARIABLES):
-        state[X + i, lane], state[LOW + i, lane], state[HIGH + i, lane] = x[i], low[i], high[i]
-    state[CHI_SQUARE, lane], state[LEFT, lane] = np.inf, ITERATIONS + 1
-    state[DAMPING, lane], state[HEAVIER, lane] = FIRST_DAMPING / LIGHTEN, 2.0
-    return count
-
-
-@_jit_contract
-def evaluate(points, groups, state, slopes):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
-    """Sum the products of slopes and misfits of Eq. (34) at the trial of every lane.
-
-    Parameters
-    ----------
-    points
-        Points of the lanes, (``POINT_ROWS`` n, ``LANES``).
-    groups
-        Groups of ``GROUP`` points on the longest lane.
-    state
-        State of the lanes; its new sums are written.
-    slopes
-        Room for the slopes of a group, (``COLUMNS`` ``GROUP``, ``LANES``).
-    """
-    if not (points.shape[1] == state.shape[1] == slopes.shape[1] == LANES):
-        return  # never: gives the compiler the distance of rows
-    for lane in range(LANES):
-        state[P, lane] = _exp(state[TRIAL + 1, lane])
-        state[EXPONENT, lane] = _exp(state[TRIAL + Q, lane])
-        state[GAP, lane] = _exp(state[TRIAL + V_C, lane])
-    for row in range(NEW_SUMS, NEW_SUMS + PRODUCTS):
-        for lane in range(LANES):
-            state[row, lane] = 0.0
-    for group in range(groups):
-        for k in range(GROUP):
-            point, row = POINT_ROWS * (GROUP * group + k), COLUMNS * k
-            for lane in range(LANES):
-                p, q, gap = state[P, lane], state[EXPONENT, lane], state[GAP, lane]
-                excess = points[point + SPEED, lane] + gap
-                rebounds = excess > 0.0
-                excess = excess if rebounds else 1.0
-                fall = points[point + LOG_SPEED, lane] - state[TRIAL, lane]
-                rise = _log(excess) - state[TRIAL + 2, lane]
-                body = 1.0 / (1.0 + _exp(p * fall))
-                kept = 1.0 / (1.0 + _exp(-q * rise))
-                kept = kept if rebounds else 0.0
-                weight, e = points[point + WEIGHT, lane], body * kept
-                loss, taken = weight * e * (1.0 - body) * p, weight * e * (1.0 - kept) * q
-                slopes[row, lane], slopes[row + 1, lane] = loss, -loss * fall
-                slopes[row + 2, lane], slopes[row + Q, lane] = -taken, taken * rise
-                slopes[row + V_C, lane] = taken * gap / excess
-                slopes[row + VARIABLES, lane] = (e - points[point + MEASURED, lane]) * weight
-        for row in range(COLUMNS):
-            for column in range(row, COLUMNS):
-                entry = NEW_SUMS + COLUMNS * row + column
-                for lane in range(LANES):
-                    total = 0.0
-                    for k in range(GROUP):
-                        left, right = COLUMNS * k + row, COLUMNS * k + column
-                        total += slopes[left, lane] * slopes[right, lane]
-                    state[entry, lane] += total
-
-
-@_jit_inline
-def _solve(state):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
-    """Solve the damped normal equations (L D L^T) and propose the step.
-
-    Variables that would leave the box stay. The factor has D L^T above its diagonal, L below.
-    """
-    for lane in range(LANES):
-        state[LARGEST, lane] = 1.0
-    for i in range(VARIABLES):
-        for lane in range(LANES):
-            slope, x = state[GRADIENT + COLUMNS * i, lane], state[X + i, lane]
-            below = (x <= state[LOW + i, lane]) & (slope >= 0.0)
-            above = (x >= state[HIGH + i, lane]) & (slope <= 0.0)
-            free = 0.0 if below | above else 1.0
-            state[FREE + i, lane], state[TRIAL + i, lane] = free, -free * slope
-            diagonal = free * state[SUMS + (COLUMNS + 1) * i, lane]
-            state[LARGEST, lane] = max(state[LARGEST, lane], diagonal)
-    for i in range(VARIABLES):
-        for j in range(i, VARIABLES):
-            entry = COLUMNS * i + j
-            for lane in range(LANES):
-                both = state[FREE + i, lane] * state[FREE + j, lane]
-                state[FACTOR + entry, lane] = both * state[SUMS + entry, lane]
-        pivot = FACTOR + (COLUMNS + 1) * i
-        for lane in range(LANES):
-            state[pivot, lane] *= 1.0 + state[DAMPING, lane]
-            state[pivot, lane] += RIDGE * state[LARGEST, lane] + (1.0 - state[FREE + i, lane])
-    for k in range(VARIABLES):
-        pivot = FACTOR + (COLUMNS + 1) * k
-        for lane in range(LANES):
-            state[pivot, lane] = 1.0 / state[pivot, lane]
-        for i in range(k + 1, VARIABLES):
-            above, below = FACTOR + COLUMNS * k + i, FACTOR + COLUMNS * i + k
-            for lane in range(LANES):
-                state[below, lane] = state[above, lane] * state[pivot, lane]
-                state[TRIAL + i, lane] -= state[below, lane] * state[TRIAL + k, lane]
-            for j in range(i, VARIABLES):
-                entry, upper = FACTOR + COLUMNS * i + j, FACTOR + COLUMNS * k + j
-                for lane in range(LANES):
-                    state[entry, lane] -= state[below, lane] * state[upper, lane]
-    for i in range(VARIABLES):
-        for lane in range(LANES):
-            state[TRIAL + i, lane] *= state[FACTOR + (COLUMNS + 1) * i, lane]
-    for i in range(VARIABLES - 1, 0, -1):
-        for j in range(i):
-            for lane in range(LANES):
-                share = state[FACTOR + COLUMNS * i + j, lane]
-                state[TRIAL + j, lane] -= share * state[TRIAL + i, lane]
-
-
-@_jit_contract
-def _propose(state, stride):  # type: ignore[no-untyped-def]
-    """Propose a damped step within the box, and write its expected decrease."""
-    if state.shape[1] != LANES:
-        return  # never
-    _solve(state)
-    for lane in range(LANES):
-        state[EXPECTED, lane] = 0.0
-    for i in range(VARIABLES):
-        for lane in range(LANES):
-            x, step = state[X + i, lane], state[TRIAL + i, lane]
-            step = min(max(step, -stride[i]), stride[i])
-            step = min(max(step, state[LOW + i, lane] - x), state[HIGH + i, lane] - x)
-            state[TRIAL + i, lane] = step
-            slope = 2.0 * state[GRADIENT + COLUMNS * i, lane]
-            slope += state[SUMS + (COLUMNS + 1) * i, lane] * step
-            state[EXPECTED, lane] -= slope * step
-        for j in range(i):
-            for lane in range(LANES):
-                both = state[TRIAL + i, lane] * state[TRIAL + j, lane]
-                state[EXPECTED, lane] -= 2.0 * state[SUMS + COLUMNS * j + i, lane] * both
-    for i in range(VARIABLES):
-        for lane in range(LANES):
-            trial = state[X + i, lane] + state[TRIAL + i, lane]
-            trial = min(max(trial, state[LOW + i, lane]), state[HIGH + i, lane])
-            state[TRIAL + i, lane] = trial
-
-
-@_jit_contract
-def _judge(state, tolerance):  # type: ignore[no-untyped-def]
-    """Move to the trial where it is lower, change the damping (Nielsen), see which have ended."""
-    if state.shape[1] != LANES:
-        return  # never
-    for lane in range(LANES):
-        expected, damping = state[EXPECTED, lane], state[DAMPING, lane]
-        decrease = state[CHI_SQUARE, lane] - state[NEW_CHI_SQUARE, lane]
-        small = tolerance * state[NEW_CHI_SQUARE, lane]
-        # Of either sign, so that rounding does not keep a search at its minimum from ending.
-        flat = (abs(decrease) <= small) & (abs(expected) <= small) & (damping < LIGHT_DAMPING)
-        ended = flat | (damping > STUCK)
-        ended |= state[NEW_CHI_SQUARE, lane] == 0.0
-        state[CONVERGED, lane] = 1.0 if ended else 0.0
-        state[LEFT, lane] = 0.0 if ended else state[LEFT, lane] - 1.0
-        lower, heavier = decrease >= 0.0, state[HEAVIER, lane]
-        state[LOWER, lane] = 1.0 if lower else 0.0
-        excess = 2.0 * decrease / expected - 1.0 if expected > 0.0 else 1.0
-        lighter = max(1.0 - excess * excess * excess, LIGHTEN)
-        state[DAMPING, lane] = max(damping * (lighter if lower else heavier), LEAST_DAMPING)
-        state[HEAVIER, lane] = 2.0 if lower else 2.0 * heavier
-    for old, new, rows in ((X, TRIAL, VARIABLES), (SUMS, NEW_SUMS, PRODUCTS)):
-        for i in range(rows):
-            for lane in range(LANES):
-                lower = state[LOWER, lane] > 0.0
-                state[old + i, lane] = state[new + i, lane] if lower else state[old + i, lane]
 
 
 @_jit
@@ -315,21 +41,6 @@ def _cubic(x, size, value, slope):  # type: ignore[no-untyped-def]
     slope[2] = -(t * a + t * c + a * c) / 2.0
     slope[3] = (t * a + t * b + a * b) / 6.0
     return first
-
-
-@_jit
-def _ratios(places, size, first, weights, unused):  # type: ignore[no-untyped-def]
-    """Put the first of the four places about every speed, and their weights (n, 4).
-
-    Returns the ends of all such places.
-    """
-    low, high = size, 0
-    for n in range(places.size):
-        first[n] = -1
-        if places[n] >= 0.0:
-            first[n] = _cubic(places[n], size, weights[n], unused)
-            low, high = min(low, first[n]), max(high, first[n] + 4)
-    return low, high
 
 
 @_jit_contract
@@ -365,133 +76,36 @@ def _lines(grid, at, low, high, weights, lines) -> None:  # type: ignore[no-unty
 
 
 @_jit
-def curves(grid, places, at, e) -> None:  # type: ignore[no-untyped-def]
-    """Put restitutions by the table of a law.
+def curves(grid, places, at, rows) -> None:  # type: ignore[no-untyped-def]
+    """Put restitutions by the table of a law, and their slopes along the axes of parameters.
 
     Parameters
     ----------
     grid
-        Table, (three axes of parameters, v/v_c).
+        Table, (three axes of parameters, v/v_c and ``BY_SIZE`` more columns).
     places
         Positions along the axis of v/v_c, (m, n); negative if captured.
     at
-        Positions along the axes of parameters, (m, 3).
-    e
-        Room for the restitutions, (m, n).
+        Positions along the axes of parameters, (m, 3 or more).
+    rows
+        Room for three slopes and e, (m, n, 4).
     """
-    size, many = grid.shape[PARAMETERS], e.shape[1]
-    near, ratios, lines = np.empty(many, np.intp), np.empty((many, 4)), np.empty((4, size))
-    weights = np.zeros((PARAMETERS, 2, 4))
-    for row in range(len(e)):
-        low, high = _ratios(places[row], size, near, ratios, lines[0])
+    size, many = grid.shape[PARAMETERS] - BY_SIZE, places.shape[1]
+    near, ratios, unused = np.empty(many, np.intp), np.empty((many, 4)), np.empty(4)
+    lines, weights = np.empty((PARAMETERS + 1, size)), np.zeros((PARAMETERS, 2, 4))
+    rows[:] = 0.0
+    for row in range(len(places)):
+        low, high = size, 0
+        for n in range(many):
+            if places[row, n] >= 0.0:
+                near[n] = _cubic(places[row, n], size, ratios[n], unused)
+                low, high = min(low, near[n]), max(high, near[n] + 4)
         _lines(grid, at[row], low, high, weights, lines)
         for n in range(many):
-            e[row, n] = 0.0
-            if near[n] >= 0:
+            if places[row, n] >= 0.0:
                 for k in range(4):
-                    e[row, n] += ratios[n, k] * lines[3, near[n] + k]
-
-
-@_jit
-def _tabled(grid, points, count, lane, ends, near, ratios, lines, weights, sums, state) -> None:  # type: ignore[no-untyped-def]
-    """Put sums as `evaluate` does, of a table, on one lane; ``lines`` to ``sums`` are room."""
-    _lines(grid, state[TRIAL : TRIAL + PARAMETERS, lane], ends[0], ends[1], weights, lines)
-    sums[:] = 0.0
-    for n in range(count):
-        point = POINT_ROWS * n
-        weight, misfit = points[point + WEIGHT, lane], -points[point + MEASURED, lane]
-        by_rate = by_one = by_two = 0.0
-        if near[n] >= 0:
-            for k in range(4):
-                share, node = ratios[n, k], near[n] + k
-                by_rate += share * lines[0, node]
-                by_one += share * lines[1, node]
-                by_two += share * lines[2, node]
-                misfit += share * lines[3, node]
-        derivatives = (weight * by_rate, weight * by_one, weight * by_two, weight * misfit)
-        for i in range(PARAMETERS + 1):
-            for j in range(i, PARAMETERS + 1):
-                sums[i, j] += derivatives[i] * derivatives[j]
-    for i in range(PARAMETERS + 1):
-        for j in range(i, PARAMETERS + 1):
-            state[NEW_SUMS + COLUMNS * TABLED[i] + TABLED[j], lane] = sums[i, j]
-
-
-@_jit
-def descend_all(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
-    grid, data, owner, end, low, high, stride, tolerance, x, chi_square, converged
-):
-    """Move every start to its minimum.
-
-    Parameters
-    ----------
-    grid
-        Table of a law of contact, or of size 0 for Eq. (34).
-    data
-        Points of the data sets, (r, ``POINT_ROWS``, n).
-    owner
-        Number of the data set of each search, (m,).
-    end
-        End of the range of v_c, (m,).
-    low, high
-        Bounds of the variables, (m, ``VARIABLES``).
-    stride
-        Largest change of each variable in one step, (``VARIABLES``,).
-    tolerance
-        Share of chi-square by which a last step lowers it.
-    x
-        Starts, (m, ``VARIABLES``); the minima are put there.
-    chi_square, converged
-        Room for the sums of squares and whether a search ended by its tolerance, (m,).
-    """
-    many, size = data.shape[2], grid.shape[PARAMETERS]
-    points = np.zeros((POINT_ROWS * GROUP * -(-many // GROUP), LANES))
-    state, slopes = np.zeros((STATE_ROWS, LANES)), np.zeros((COLUMNS * GROUP, LANES))
-    running, count = np.zeros(LANES, np.intp) - 1, np.zeros(LANES, np.intp)
-    ends, near = np.zeros((LANES, 2), np.intp), np.empty((LANES, many), np.intp)
-    ratios, lines = np.empty((LANES, many, 4)), np.empty((PARAMETERS + 1, size))
-    weights, sums = np.zeros((PARAMETERS, 2, 4)), np.empty((PARAMETERS + 1, PARAMETERS + 1))
-    begun = ended = 0
-    while ended < len(x):
-        _propose(state, stride)
-        if size:
-            for lane in range(LANES):
-                if running[lane] >= 0:
-                    _tabled(
-                        grid,
-                        points,
-                        count[lane],
-                        lane,
-                        ends[lane],
-                        near[lane],
-                        ratios[lane],
-                        lines,
-                        weights,
-                        sums,
-                        state,
-                    )
-        else:
-            evaluate(points, -(-count.max() // GROUP), state, slopes)
-        _judge(state, tolerance)
-        for lane in range(LANES):
-            if state[LEFT, lane] > 0.0:
-                continue
-            if running[lane] >= 0:
-                done = running[lane]
-                for i in range(VARIABLES):
-                    x[done, i] = state[X + i, lane]
-                chi_square[done], converged[done] = state[CHI_SQUARE, lane], state[CONVERGED, lane]
-                ended += 1
-                running[lane] = -1
-            if begun < len(x):
-                i = begun % owner.size
-                box = low[i], high[i]
-                count[lane] = enter(data[owner[i]], end[i], *box, x[begun], lane, points, state)
-                if size:
-                    places = points[SPEED : POINT_ROWS * count[lane] : POINT_ROWS, lane]
-                    ends[lane] = _ratios(places, size, near[lane], ratios[lane], weights[0, 0])
-                running[lane] = begun
-                begun += 1
+                    for line in range(PARAMETERS + 1):
+                        rows[row, n, line] += ratios[n, k] * lines[line, near[n] + k]
 
 
 # Variables of a search under scatter: four of the curve, and logarithms of factors of the standard
@@ -502,16 +116,11 @@ LN_V, LN_D, SPEED_SD, SIZE_SD, REBOUND, E_SD = range(6)
 # Nodes reach so many standard deviations. Per standard deviation of e there are so many of
 # sqrt(ln v/v_c), with which e grows about as fast. A scatter below the least is none.
 REACH, DENSITY, FEWEST_NODES, MOST_NODES, LEAST_SCATTER = 4.0, 0.75, 8, 400, 1e-3
-# Columns of a table after those of v/v_c: the exponent of v_c in 1/d; places along the first axis
-# per ln d; exponent in d of the adhesion damping at v_c, in units of the contact.
-BY_SIZE, SHIFT, GROWTH = 3, 1, 2
 # Second axis of a law with adhesion damping: the damping over its distance from overdamping.
 DAMPING_AXIS = (1e-3, 30.0, 28)
 # Diameters at which a table is read for a class; e is the cubic in ln d through them. The steps by
 # which ln d reaches farther.
 SIZES, STEP_OF_SIZE = 4, 0.1
-# A search ends where the deviance falls by less.
-SMALL_FALL, SCATTERED_STEPS = 1e-2, 60
 _ROOT_TWO, _LN_ROOT_TWO_PI = math.sqrt(2.0), 0.5 * math.log(2.0 * math.pi)
 
 
@@ -777,8 +386,8 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
 
 
 @_jit
-def descend_scattered(grid, scale, data, owner, v_c, low, high, stride, tried, starts, least, x):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
-    """Put the least `deviance` and its variables, from the best of several starts.
+def deviances(grid, scale, data, owner, v_c, z, total, gradient, information) -> None:  # type: ignore[no-untyped-def]
+    """Put `deviance` of many searches, half its slopes, and the information.
 
     Parameters
     ----------
@@ -786,58 +395,15 @@ def descend_scattered(grid, scale, data, owner, v_c, low, high, stride, tried, s
         As of `deviance`.
     data
         Rows of the data sets, (r, 6, n).
-    owner
-        Number of the data set of each search, (m,).
-    v_c
-        Capture velocities held, in the unit of the speeds, (m,).
-    low, high, stride
-        Bounds of the variables and their largest change in one step, (6,).
-    tried
-        How many of the starts are followed.
-    starts
-        Starts, (s, m, 6).
-    least, x
-        Room for the least deviances, (m,), and their variables, (m, 6).
+    owner, v_c, z
+        Of each search the number of its data set, the capture velocity held, and the variables,
+        (m,), (m,), (m, 6).
+    total, gradient, information
+        Room, (m,), (m, 6), (m, 6, 6).
     """
-    values, many = np.empty(len(starts)), data.shape[2]
-    gradient, fresh = np.empty(SCATTERED), np.empty(SCATTERED)
-    information, new = np.empty((SCATTERED, SCATTERED)), np.empty((SCATTERED, SCATTERED))
-    expected = np.empty((many, 2))
+    moments = np.empty((data.shape[2], 2))
     for m in range(len(owner)):
-        rows, least[m] = data[owner[m]], np.inf
-        for i in range(len(starts)):
-            values[i] = deviance(
-                grid, scale, rows, v_c[m], starts[i, m], gradient, information, expected
-            )
-        for _ in range(tried):
-            begun = np.argmin(values)
-            values[begun] = np.inf
-            z = np.minimum(np.maximum(starts[begun, m], low), high)
-            value = deviance(grid, scale, rows, v_c[m], z, gradient, information, expected)
-            damping = FIRST_DAMPING
-            for _ in range(SCATTERED_STEPS):
-                matrix, right = information.copy(), -0.5 * gradient
-                for k in range(SCATTERED):
-                    out = (z[k] <= low[k] and gradient[k] >= 0.0) or (
-                        z[k] >= high[k] and gradient[k] <= 0.0
-                    )
-                    if out:
-                        matrix[k, :], matrix[:, k], right[k] = 0.0, 0.0, 0.0
-                        matrix[k, k] = 1.0
-                    matrix[k, k] = matrix[k, k] * (1.0 + damping) + 1e-9
-                step = np.linalg.solve(matrix, right)
-                trial = z + np.minimum(np.maximum(step, -stride), stride)
-                trial = np.minimum(np.maximum(trial, low), high)
-                lower = deviance(grid, scale, rows, v_c[m], trial, fresh, new, expected)
-                if lower <= value:
-                    fall, value = value - lower, lower
-                    z[:], gradient[:], information[:] = trial, fresh, new
-                    if fall < SMALL_FALL:
-                        break
-                    damping = max(damping * LIGHTEN, LEAST_DAMPING)
-                else:
-                    damping *= 4.0
-                    if damping > 1e4:
-                        break
-            if value < least[m]:
-                least[m], x[m] = value, z
+        total[m] = deviance(
+            grid, scale, data[owner[m]], v_c[m], z[m], gradient[m], information[m], moments
+        )
+    gradient *= 0.5

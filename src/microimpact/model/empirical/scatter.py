@@ -10,8 +10,6 @@ recorded, and their probability counts.
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
@@ -30,15 +28,18 @@ from microimpact.model.empirical.kernel import (
     PARAMETERS,
     SCATTERED,
     Q,
-    descend_scattered,
     deviance,
+    deviances,
 )
 from microimpact.model.empirical.search import (
     EXPONENT_BOUNDS,
     K_BOUNDS,
     KAPPA_BOUNDS,
     STARTS,
+    Box,
     Minima,
+    Objective,
+    lowest,
 )
 
 # Dahneke (1971): a sphere is held by a force that grows with d, and its mass with d^3.
@@ -48,16 +49,17 @@ SIGMA_BOUNDS = (1e-4, 0.5)
 FIRST_SIGMA, FIRST_SIZE = 0.03, 0.05
 # Starts from which a search is made, with neighbours in v_c and without.
 NEAR, FRESH = 1, 2
+# A search ends where a step lowers the deviance by less.
+SMALL = 1e-2
 _SCALE = (shapes.RATIOS - 1) / np.sqrt(np.log(shapes.LARGEST_RATIO))
 
 
-@cache
+# The exponents in d of Eq. (34) alone, in place of a table.
+_NO_TABLE = np.array([EXPONENT_OF_EQ_34, 0.0, 0.0]).reshape(1, 1, 1, BY_SIZE)
+
+
 def _table(law: str | None) -> FloatArray:
-    """Table of a law, its exponents in d as last columns; these alone for Eq. (34)."""
-    if law is None:
-        return np.array([EXPONENT_OF_EQ_34, 0.0, 0.0]).reshape(1, 1, 1, BY_SIZE)
-    columns = [shapes.table(law), shapes.by_size(law)]
-    return np.ascontiguousarray(np.concatenate(columns, axis=-1))
+    return _NO_TABLE if law is None else shapes.table(law)
 
 
 def _data(sets: DataSets, scatter: Scatter) -> FloatArray:
@@ -129,34 +131,55 @@ def profile(
     Returns
     -------
     Minima
-        Of the deviance; where sigma is not given, of the sum of squares that gives the same
-        likelihood without scatter.
+        Of the deviance; where sigma is not given, less the number of data, and with the factor of
+        `_likelihood`.
     """
     scatter = sets.scatter
     assert scatter is not None
     low, high, stride = box = _box(law, q, scatter)
     fresh = not len(starts)
     begun = _starts(law, q, sets.top[owner], v_c, box) if fresh else starts
-    least, x = np.empty(v_c.size), np.empty((v_c.size, SCATTERED))
-    descend_scattered(
-        _table(law),
-        _SCALE,
-        _data(sets, scatter),
-        owner,
-        np.ascontiguousarray(v_c),
-        *(low, high, stride),
-        FRESH if fresh else NEAR,
-        np.ascontiguousarray(begun),
-        least,
-        x,
-    )
-    if scatter.free_sigma:
-        count = np.sum(sets.v[owner] >= 1.0, axis=1)
-        least = count * np.exp(least / count - 1.0)
-    return Minima(least, x, np.ones(v_c.size, bool), least[None])
+    many = v_c.size, 1
+    bounds = Box(np.tile(low, many), np.tile(high, many), stride)
+    objective = _likelihood(law, sets, owner, v_c)
+    minima = lowest(objective, begun, bounds, 0.0, SMALL, FRESH if fresh else NEAR)
+    if not scatter.free_sigma:
+        return minima
+    # Of n data without scatter the deviance is n (ln(sum of squares/n) + 1).
+    count = np.sum(sets.v[owner] >= 1.0, axis=1)
+    return minima._replace(value=minima.value - count, each=minima.each - count)
 
 
-def deviances(law: str | None, sets: DataSets, v_c: FloatArray, x: FloatArray) -> FloatArray:
+def _likelihood(law: str | None, sets: DataSets, owner: Places, v_c: FloatArray) -> Objective:
+    """Deviance of searches, each with its data set and v_c held, (m,).
+
+    Few data can be explained by sizes and speeds alone, and with a sigma to be found the likelihood
+    has no bound where that is none. So each scatter has a factor then that is proportional to it
+    (Chung et al. 2013).
+    """
+    assert sets.scatter is not None
+    table, data = _table(law), _data(sets, sets.scatter)
+    _, free_size, free_sigma, _ = sets.scatter
+    unknown = [LN_SIGMA, LN_SIZE][: 1 + free_size]
+    usual = np.log([FIRST_SIGMA, FIRST_SIZE][: 1 + free_size])
+
+    def objective(x: FloatArray, rows: Places) -> tuple[FloatArray, FloatArray, FloatArray]:
+        total, slope, information = (
+            np.empty(len(x)),
+            np.empty(x.shape),
+            np.empty((*x.shape, SCATTERED)),
+        )
+        searches = owner[rows], v_c[rows], np.ascontiguousarray(x)
+        deviances(table, _SCALE, data, *searches, total, slope, information)
+        if free_sigma:
+            total -= 2.0 * (x[:, unknown] - usual).sum(axis=1)
+            slope[:, unknown] -= 1.0
+        return total, slope, information
+
+    return objective
+
+
+def deviance_at(law: str | None, sets: DataSets, v_c: FloatArray, x: FloatArray) -> FloatArray:
     """Deviance (m,) of one data set at capture velocities (m,) and variables (m, 6).
 
     Parameters
@@ -170,16 +193,8 @@ def deviances(law: str | None, sets: DataSets, v_c: FloatArray, x: FloatArray) -
     x
         Variables of the search, (m, 6).
     """
-    assert sets.scatter is not None
-    data, table = _data(sets, sets.scatter)[0], _table(law)
-    moments = np.empty((sets.v.shape[1], 2))
-    gradient, information = np.empty(SCATTERED), np.empty((SCATTERED, SCATTERED))
-    return np.array(
-        [
-            deviance(table, _SCALE, data, limit, variables, gradient, information, moments)
-            for limit, variables in zip(v_c, x, strict=True)
-        ]
-    )
+    every = np.arange(len(x))
+    return _likelihood(law, sets, 0 * every, v_c)(x, every)[0]
 
 
 def expected(law: str | None, sets: DataSets, v_c: float, x: FloatArray) -> FloatArray:

@@ -6,13 +6,13 @@ v_c is sought piece by piece between those speeds, through the logarithm of its 
 upper end of the piece, the gap: in that variable the sum of squares is smooth. The other parameters
 are searched as logarithms, too, and speeds are in units of the smallest one that rebounds.
 
-The searches are compiled damped Gauss-Newton ones (Levenberg and Marquardt). What one data set
-gives does not depend on the others.
+The searches are damped Gauss-Newton ones (Levenberg and Marquardt), many side by side. What one
+data set gives does not depend on the others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ import numpy as np
 
 from microimpact.core.arrays import BoolArray, Columns, FloatArray
 from microimpact.model.empirical.data import DataSets, Places
-from microimpact.model.empirical.kernel import V_C, VARIABLES, Q, descend_all
+from microimpact.model.empirical.kernel import V_C, VARIABLES, Q
 
 # Bounds of k and kappa over the smallest and the largest speed, and of the exponents.
 K_BOUNDS = (1e-3, 1e6)
@@ -36,7 +36,14 @@ SAME_MINIMUM, SAME_AS_NONE = 1e-4, 1e-12
 TOLERANCE = 1e-9
 # Largest change of a logarithm in one step: beyond it the quadratic model says nothing.
 STRIDE = np.full(5, 2.0)
-NO_TABLE = np.empty((0, 0, 0, 0))
+# Damping at the start and the least, as shares of the diagonal of the normal matrix, and the
+# largest decrease after one step. A search ends, too, where no damping finds a lower point.
+FIRST_DAMPING, LEAST_DAMPING, LIGHTEN, STUCK = 1e-3, 1e-9, 1.0 / 3.0, 1e10
+# The damping at which a small decrease means a minimum and not a small step.
+LIGHT_DAMPING = 0.1
+# Keeps a normal matrix of full rank in directions that the data do not determine.
+RIDGE = 1e-14
+ITERATIONS = 300
 # Starts, those first that most often lead to the minimum: k over the largest speed, p, q, and the
 # distance of v_c from the end of its piece as a share of the piece.
 STARTS = (
@@ -48,30 +55,32 @@ STARTS = (
 )
 
 
-def model(v: FloatArray, logs: FloatArray, end: float, gap: float) -> tuple[FloatArray, FloatArray]:
+def model(
+    v: FloatArray, logs: FloatArray, end: FloatArray | float, gap: FloatArray | float
+) -> tuple[FloatArray, FloatArray]:
     """Eq. (34) at v_c = end - gap, and its slopes in ln(k, p, kappa, q) and ln(gap).
 
     Parameters
     ----------
     v
-        Speeds, (n,), positive.
+        Speeds, (..., n), positive.
     logs
-        ln k, ln p, ln kappa, ln q.
+        ln k, ln p, ln kappa, ln q, (..., 4).
     end, gap
-        v_c is their difference; no speed above v_c may lie below ``end``, or the slope in ln(gap)
-        is unbounded.
+        v_c is their difference, (...); no speed above v_c may lie below ``end``, or the slope in
+        ln(gap) is unbounded.
 
     Returns
     -------
     e, slopes
-        Shapes (n,) and (n, 5).
+        Shapes (..., n) and (..., n, 5).
     """
-    p, q = np.exp(logs[1]), np.exp(logs[Q])
+    end, gap = np.asarray(end)[..., None], np.asarray(gap)[..., None]
+    p, q = np.exp(logs[..., 1, None]), np.exp(logs[..., Q, None])
     excess = (v - end) + gap
     rebounds = excess > 0.0
     excess = np.where(rebounds, excess, 1.0)
-    fall = np.log(v) - logs[0]
-    rise = np.log(excess) - logs[2]
+    fall, rise = np.log(v) - logs[..., 0, None], np.log(excess) - logs[..., 2, None]
     with np.errstate(over="ignore"):
         body = 1.0 / (1.0 + np.exp(p * fall))
         kept = np.where(rebounds, 1.0 / (1.0 + np.exp(-q * rise)), 0.0)
@@ -80,46 +89,151 @@ def model(v: FloatArray, logs: FloatArray, end: float, gap: float) -> tuple[Floa
     return e, np.stack([loss, -loss * fall, -taken, taken * rise, taken * gap / excess], axis=-1)
 
 
-class Search(NamedTuple):
-    """Data, and box of d variables, of each of m searches.
+# Value of each of m functions, half its slopes and half its second derivatives, (m,), (m, d) and
+# (m, d, d), at variables (m, d) of the functions of these numbers (m,).
+Objective = Callable[[FloatArray, Places], tuple[FloatArray, FloatArray, FloatArray]]
 
-    A search ends where it lowers chi-square by less than the share ``tolerance`` of it.
+
+class Box(NamedTuple):
+    """Bounds of the variables of m searches, and the largest changes in one step.
+
+    A variable whose bounds are equal is fixed.
     """
 
-    table: FloatArray  # A law's, over three parameters and v/v_c; Eq. (34) where it is empty
-    points: FloatArray  # v or places of v/v_c, ln v, e and 1/sigma (r, 4, n)
-    owner: Places  # Data set of each search (m,)
-    end: FloatArray  # Upper end of v_c (m,)
-    low: FloatArray  # Bounds (m, d)
+    low: FloatArray  # (m, d)
     high: FloatArray
-    stride: FloatArray  # Largest changes in one step (d,)
-    tolerance: float
+    stride: FloatArray  # (d,)
 
 
 class Minima(NamedTuple):
     """Of m searches the lowest minima (m,), their variables (m, d), and whether they converged.
 
-    The last field is the chi-square (s, m) that each of s starts led to.
+    The last field is the value (s, m) that each of s starts led to.
     """
 
-    chi_square: FloatArray
+    value: FloatArray
     x: FloatArray
     converged: BoolArray
     each: FloatArray
 
 
-def lowest(search: Search, starts: Sequence[FloatArray]) -> Minima:
-    """Lower the sums of squares from several starts (m, d) each as far as possible within the box.
+def squares(missed: FloatArray, slopes: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Sums of squares of misfits (m, n), half their slopes, and half their curvatures (Gauss).
 
-    A variable whose bounds are equal is fixed.
+    Parameters
+    ----------
+    missed
+        Misfits over sigma, (m, n).
+    slopes
+        Their slopes in the variables, (m, n, d).
     """
-    x = np.concatenate([np.clip(start, search.low, search.high) for start in starts])
-    chi_square, converged = np.empty(len(x)), np.zeros(len(x), bool)
-    descend_all(*search, x, chi_square, converged)
-    each = chi_square.reshape(len(starts), -1)
-    rows = np.arange(len(search.end))
-    best = rows + len(rows) * np.argmin(each, axis=0)
-    return Minima(chi_square[best], x[best], converged[best], each)
+    across = np.swapaxes(slopes, 1, 2)
+    slope = np.matmul(across, missed[..., None])[..., 0]
+    return np.sum(missed**2, axis=1), slope, np.matmul(across, slopes)
+
+
+def lowest(
+    objective: Objective,
+    starts: FloatArray,
+    box: Box,
+    tolerance: float,
+    absolute: float = 0.0,
+    most: int | None = None,
+) -> Minima:
+    """Lower m functions within their boxes as far as possible, from several starts each.
+
+    Parameters
+    ----------
+    objective
+        The functions.
+    starts
+        Starts (s, m, d).
+    box
+        Bounds.
+    tolerance, absolute
+        A search ends where a step and the quadratic model lower the function by less than this
+        share of it, or where a step changes it by less than the second number: with that go
+        functions that are not smooth to rounding.
+    most
+        Number of starts that are followed, those with the lowest values; None: all.
+    """
+    starts = np.clip(starts, box.low, box.high)
+    count = len(box.low)
+
+    def repeated(x: FloatArray, rows: Places) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return objective(x, rows % count)
+
+    if most is not None and most < len(starts):
+        flat = starts.reshape(-1, starts.shape[2])
+        values = repeated(flat, np.arange(len(flat)))[0].reshape(starts.shape[:2])
+        chosen = np.argsort(values, axis=0, kind="stable")[:most]
+        starts = np.take_along_axis(starts, chosen[..., None], axis=0)
+    many = len(starts)
+    wide = Box(np.tile(box.low, (many, 1)), np.tile(box.high, (many, 1)), box.stride)
+    value, x, converged = _descend(
+        repeated, starts.reshape(-1, starts.shape[2]), wide, tolerance, absolute
+    )
+    each = value.reshape(many, count)
+    best = np.argmin(each, axis=0) * count + np.arange(count)
+    return Minima(value[best], x[best], converged[best], each)
+
+
+def _descend(
+    objective: Objective, x: FloatArray, box: Box, tolerance: float, absolute: float
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Least values (m,), where they are (m, d), and whether the searches have ended by tolerance.
+
+    Damped Gauss-Newton steps (Levenberg and Marquardt), the damping by Nielsen's rule.
+    """
+    running = np.arange(len(x))
+    value, slope, curvature = objective(x, running)
+    x, converged = x.copy(), np.zeros(len(x), bool)
+    damping, heavier = np.full(len(x), FIRST_DAMPING), np.full(len(x), 2.0)
+    for _ in range(ITERATIONS):
+        low, high = box.low[running], box.high[running]
+        now, step = x[running], _step(slope, curvature, damping, x[running], low, high)
+        trial = np.clip(now + np.clip(step, -box.stride, box.stride), low, high)
+        step = trial - now
+        bent = np.matmul(curvature, step[..., None])[..., 0]
+        expected = -np.sum((2.0 * slope + bent) * step, axis=1)
+        tried = objective(trial, running)
+        decrease = value[running] - tried[0]
+        # Of either sign, so that rounding does not keep a search at its minimum from ending.
+        small = tolerance * np.abs(tried[0])
+        flat = (np.abs(decrease) <= small) & (np.abs(expected) <= small) & (damping < LIGHT_DAMPING)
+        ended = flat | (np.abs(decrease) < absolute) | (damping > STUCK) | (tried[0] == 0.0)
+        lower = decrease >= 0.0
+        x[running[lower]], value[running[lower]] = trial[lower], tried[0][lower]
+        slope = np.where(lower[:, None], tried[1], slope)
+        curvature = np.where(lower[:, None, None], tried[2], curvature)
+        gain = np.divide(decrease, expected, out=np.ones_like(decrease), where=expected > 0.0)
+        lighter = np.maximum(1.0 - (2.0 * gain - 1.0) ** 3, LIGHTEN)
+        damping = np.maximum(damping * np.where(lower, lighter, heavier), LEAST_DAMPING)
+        heavier = np.where(lower, 2.0, 2.0 * heavier)
+        converged[running[ended]] = True
+        on = ~ended
+        running, damping, heavier = running[on], damping[on], heavier[on]
+        slope, curvature = slope[on], curvature[on]
+        if not running.size:
+            break
+    return value, x, converged
+
+
+def _step(
+    slope: FloatArray,
+    curvature: FloatArray,
+    damping: FloatArray,
+    x: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+) -> FloatArray:
+    """Damped step (m, d); variables that would leave the box stay."""
+    free = ~(((x <= low) & (slope >= 0.0)) | ((x >= high) & (slope <= 0.0)))
+    matrix = curvature * (free[:, :, None] & free[:, None, :])
+    diagonal = np.einsum("mkk->mk", matrix)
+    ridge = RIDGE * np.maximum(diagonal.max(axis=1, keepdims=True), 1.0)
+    diagonal += damping[:, None] * diagonal + ridge + ~free
+    return np.asarray(-np.linalg.solve(matrix, (slope * free)[..., None])[..., 0])
 
 
 def ranges(sets: DataSets) -> tuple[Places, FloatArray, FloatArray]:
@@ -139,15 +253,8 @@ def ranges(sets: DataSets) -> tuple[Places, FloatArray, FloatArray]:
     return np.concatenate(owner), np.concatenate(lower), np.concatenate(upper)
 
 
-def searches(
-    sets: DataSets,
-    owner: Places,
-    end: FloatArray,
-    least_gap: FloatArray,
-    largest_gap: FloatArray,
-    tolerance: float = TOLERANCE,
-) -> Search:
-    """One search per owner, with v_c below an end by a gap.
+def misfit(sets: DataSets, owner: Places, end: FloatArray) -> Objective:
+    """Sum of squares of Eq. (34), in logarithms of k, p, kappa, q and of the gap of v_c to an end.
 
     Parameters
     ----------
@@ -157,18 +264,25 @@ def searches(
         Number of the data set of each search, (m,).
     end
         End of the range of v_c, in units of the slowest rebound, (m,).
-    least_gap, largest_gap
-        Bounds of the logarithm of the gap, (m,).
-    tolerance
-        Share of chi-square by which a last step lowers it.
     """
+    v, e, weight = (rows[owner] for rows in (sets.v, sets.e, sets.weight))
+
+    def objective(x: FloatArray, rows: Places) -> tuple[FloatArray, FloatArray, FloatArray]:
+        curve, slopes = model(v[rows], x[:, :V_C], end[rows], np.exp(x[:, V_C]))
+        return squares((curve - e[rows]) * weight[rows], slopes * weight[rows, :, None])
+
+    return objective
+
+
+def box_of(sets: DataSets, owner: Places, least_gap: FloatArray, largest_gap: FloatArray) -> Box:
+    """Bounds of the variables of Eq. (34); the last two arguments are those of ln(gap), (m,)."""
     top, (low, high) = sets.top[owner], np.empty((2, owner.size, VARIABLES))
     for side, bounds, scale, gap in ((0, low, 1.0, least_gap), (1, high, top, largest_gap)):
         q = EXPONENT_BOUNDS[side] if sets.q is None else sets.q
         sides = (K_BOUNDS[side] * scale, EXPONENT_BOUNDS[side], KAPPA_BOUNDS[side] * scale, q)
         for variable, value in enumerate((*map(np.log, sides), gap)):
             bounds[:, variable] = value
-    return Search(NO_TABLE, sets.points, owner, end, low, high, STRIDE, tolerance)
+    return Box(low, high, STRIDE)
 
 
 def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) -> FloatArray:
@@ -254,17 +368,17 @@ def fit_batch(
     owner, lower, upper = ranges(sets)
     width = upper - lower
     gaps = np.log(CLOSEST * width), np.log(width)
-    search = searches(sets, owner, upper, *gaps, tolerance)
+    box = box_of(sets, owner, *gaps)
     points = [start_points(sets, owner, i, width) for i in range(starts)]
     if guess is not None:
         gap = np.clip(upper - np.exp(guess[owner, V_C]), CLOSEST * width, width)
         points.append(np.column_stack([guess[owner, :V_C], np.log(gap)]))
-    minima = lowest(search, points)
+    minima = lowest(misfit(sets, owner, upper), np.stack(points), box, tolerance)
     # The lowest of all pieces of each data set.
-    order = np.lexsort((minima.chi_square, owner))
+    order = np.lexsort((minima.value, owner))
     piece = order[np.unique(owner[order], return_index=True)[1]]
-    x, chi_square = minima.x[piece], minima.chi_square[piece]
-    near = (x - search.low[piece] < ON_BOUND) | (search.high[piece] - x < ON_BOUND)
+    x, chi_square = minima.x[piece], minima.value[piece]
+    near = (x - box.low[piece] < ON_BOUND) | (box.high[piece] - x < ON_BOUND)
     gap, span = np.exp(x[:, V_C]), width[piece]
     # v_c is held to be on a bound much closer to it than the others.
     near[:, V_C] = (gap < (1.0 + ON_BOUND) * CLOSEST * span) | (gap > (1.0 - CLOSEST) * span)
@@ -306,7 +420,7 @@ def profile(
         Number of starts tried that depend on no other search.
     """
     fixed = np.log(gap)
-    search = searches(sets, owner, np.ones(len(gap)), fixed, fixed)
     points = [np.column_stack([start[:, :V_C], fixed]) for start in starts]
     points += [start_points(sets, owner, number, gap) for number in range(fresh)]
-    return lowest(search, points)
+    objective = misfit(sets, owner, np.ones(len(gap)))
+    return lowest(objective, np.stack(points), box_of(sets, owner, fixed, fixed), TOLERANCE)

@@ -1,9 +1,12 @@
 """Restitution by the laws of contact as tables over v/v_c, and their search with v_c held.
 
 In units of its capture velocity a law of contact has one to three parameters left, whatever the
-materials. Each is tabulated once a process, at places evenly spaced in the logarithms of the
-parameters, in the rate exponent n, and in the square root of ln(v/v_c), in which e is smooth
-through capture. Between them e is that of the cubic through the four nearest places of each axis.
+materials. Each is tabulated at places evenly spaced in the logarithms of the parameters, in the
+rate exponent n, and in the square root of ln(v/v_c), in which e is smooth through capture. Between
+them e is that of the cubic through the four nearest places of each axis.
+
+The tables stand in ``shapes.npz``, so that a first fit compiles no integration;
+``python -m microimpact.model.empirical.shapes`` computes them anew.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
@@ -21,8 +25,10 @@ from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.empirical.data import DataSets, Places
-from microimpact.model.empirical.kernel import DAMPING_AXIS, PARAMETERS, VARIABLES, curves
-from microimpact.model.empirical.search import Minima, Search, lowest
+from microimpact.model.empirical.kernel import DAMPING_AXIS, PARAMETERS, curves
+from microimpact.model.empirical.search import Box, Minima, lowest, squares
+
+FILE = Path(__file__).with_suffix(".npz")
 
 # Places over v/v_c, up to a ratio of 10,000, and over each parameter of a law with two, or one; a
 # law that begins to yield has a kink.
@@ -148,7 +154,25 @@ def contact(name: str, first: FloatArray, second: FloatArray) -> Contact:
 
 @cache
 def table(name: str) -> FloatArray:
-    """Table of e of a law, (rate exponents, first parameter, second, v/v_c)."""
+    """Table of e of a law, (rate exponents, first parameter, second, v/v_c).
+
+    The last ``BY_SIZE`` columns are those of the average over diameters.
+    """
+    with np.load(FILE) as tables:
+        return np.asarray(tables[name], float)
+
+
+def main() -> None:
+    """Compute all tables, and write them in single precision."""
+    tables = {
+        name: np.concatenate([restitutions(name), by_size(name)], axis=-1, dtype=np.float32)
+        for name in LAWS
+    }
+    np.savez_compressed(FILE, **tables)  # type: ignore[arg-type]
+
+
+def restitutions(name: str) -> FloatArray:
+    """Table of e by integration, (rate exponents, first parameter, second, v/v_c)."""
     law = LAWS[name]
     rates, firsts, seconds = law.values
     ratio = np.exp(np.linspace(0.0, np.sqrt(np.log(LARGEST_RATIO)), RATIOS) ** 2)
@@ -165,11 +189,9 @@ def table(name: str) -> FloatArray:
         e[n, leaves, 1:] = faster.coefficient_of_restitution
     # Beyond the last contact that anything leaves, all are like it.
     kept = np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))
-    # In order in memory, as all tables are: the search is compiled once.
-    return np.ascontiguousarray(e[:, kept]).reshape(rates.size, firsts.size, seconds.size, -1)
+    return np.asarray(e[:, kept].reshape(rates.size, firsts.size, seconds.size, -1))
 
 
-@cache
 def exponents(name: str) -> FloatArray:
     """Exponents of v_c in 1/d of a law (rate exponents, first parameter, second)."""
     law = LAWS[name]
@@ -224,13 +246,28 @@ def restitution(name: str, at: FloatArray, ratio: FloatArray) -> FloatArray:
     ratio
         v/v_c, (n,).
     """
-    e = np.empty(ratio.size)
-    curves(table(name), places(ratio)[None], at[None], e[None])
-    return e
+    return curve(name, at[None], places(ratio)[None])[0, :, PARAMETERS]
+
+
+def curve(name: str, at: FloatArray, position: FloatArray) -> FloatArray:
+    """Slopes of e along three axes, and e, of a law by its table (m, n, 4).
+
+    Parameters
+    ----------
+    name
+        One of ``LAWS``.
+    at
+        Positions along the axes of its parameters, (m, 3 or more).
+    position
+        Those along the axis of v/v_c, as of `places`, (m, n).
+    """
+    rows = np.empty((*position.shape, PARAMETERS + 1))
+    curves(table(name), position, np.ascontiguousarray(at), rows)
+    return rows
 
 
 def profile(
-    name: str, sets: DataSets, owner: Places, v_c: FloatArray, *starts: FloatArray
+    name: str, sets: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray
 ) -> Minima:
     """Search for a law's parameters with v_c held.
 
@@ -243,22 +280,22 @@ def profile(
     v_c
         Capture velocities held (m,), in units of the slowest rebounds.
     starts
-        Places (m, 5) to start from, the last two 0; none: from those of the law.
+        Places (s, m, 3) to start from; empty: from those of the law.
     """
-    grid, at, count = table(name), places(sets.v[owner] / v_c[:, None]), v_c.size
+    at = places(sets.v[owner] / v_c[:, None])
     e, weight = sets.e[owner], sets.weight[owner]
-    last, none = np.zeros(VARIABLES), np.zeros(count)
-    last[:PARAMETERS] = np.array(grid.shape[:PARAMETERS]) - 1.0
-    if not starts:
-        shares = np.zeros((len(LAWS[name].starts), VARIABLES))
-        shares[:, :PARAMETERS] = LAWS[name].starts
-        every = np.repeat(shares * last, count, axis=0)
-        begun = np.empty((len(shares), *at.shape))
-        curves(grid, np.tile(at, (len(shares), 1)), every, begun.reshape(-1, at.shape[1]))
-        missed = np.sum(np.square(weight * (begun - e)), axis=2)
-        nearest = np.argsort(missed, axis=0)[:TRIED] * count + np.arange(count)
-        starts = tuple(every[nearest])
-    points, high = np.stack([at, np.zeros_like(at), e, weight], axis=1), np.tile(last, (count, 1))
-    each = np.arange(count)
-    search = Search(grid, points, each, none, 0.0 * high, high, LONGEST * last, SHORTEST)
-    return lowest(search, starts)
+    last = np.array(table(name).shape[:PARAMETERS]) - 1.0
+
+    def objective(x: FloatArray, rows: Places) -> tuple[FloatArray, FloatArray, FloatArray]:
+        weighted = curve(name, x, at[rows]) * weight[rows, :, None]
+        return squares(weighted[..., PARAMETERS] - (weight * e)[rows], weighted[..., :PARAMETERS])
+
+    begun = starts
+    if not len(starts):
+        begun = np.repeat((np.array(LAWS[name].starts) * last)[:, None], v_c.size, axis=1)
+    high = np.tile(last, (v_c.size, 1))
+    return lowest(objective, begun, Box(0.0 * high, high, LONGEST * last), SHORTEST, most=TRIED)
+
+
+if __name__ == "__main__":
+    main()

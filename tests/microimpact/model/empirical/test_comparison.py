@@ -1,6 +1,7 @@
 """Capture velocity by several models: truth inside, profiles that another search confirms."""
 
 import re
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -10,11 +11,17 @@ from scipy.optimize import least_squares
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical import shapes
-from microimpact.model.empirical.comparison import _runs, compare_models, compare_sets
+from microimpact.model.empirical.comparison import (
+    _require_sound,
+    _runs,
+    compare_models,
+    compare_sets,
+)
 from microimpact.model.empirical.data import in_own_units
 from microimpact.model.empirical.fit import fit_restitution
 
 NOISE, POINTS = 0.02, 24
+NO_STARTS = np.empty((0, 0, 0))
 
 
 @pytest.fixture(scope="module")
@@ -92,8 +99,8 @@ def test_the_ring_force_is_fitted_as_another_search_fits_it(contact):
     best = least_squares(missed, start, diff_step=1e-4, bounds=bounds)
     v_c = np.atleast_1d(capture_velocity(changed(best.x)))
     data = in_own_units(v[None], e[None], np.full((1, POINTS), 1.0 / NOISE), None)
-    held = shapes.profile("ring force", data, np.zeros(1, int), v_c / data.unit)
-    assert held.chi_square[0] == pytest.approx(2.0 * best.cost, abs=0.02)
+    held = shapes.profile("ring force", data, np.zeros(1, int), v_c / data.unit, NO_STARTS)
+    assert held.value[0] == pytest.approx(2.0 * best.cost, abs=0.02)
     # Values of v_c in a profile are some way apart.
     assert model.chi_square == pytest.approx(2.0 * best.cost, abs=0.05)
     assert model.v_c == pytest.approx(v_c[0], rel=2e-3)
@@ -243,6 +250,52 @@ def test_a_stray_row_is_named(sigma, low):
 def test_too_little_or_wrong_is_refused(v, e, message):
     with pytest.raises(ValueError, match=message):
         compare_models(v, e, NOISE)
+
+
+@pytest.mark.parametrize("sigma", [5e-324, 1e-320, 1e308])
+@pytest.mark.parametrize("compared_by", [compare_models, fit_restitution])
+def test_numbers_at_the_ends_of_the_computers_are_refused(compared_by, sigma):
+    v = np.geomspace(0.2, 2.0, 12)
+    e = 0.8 * np.sqrt(1.0 - (0.19 / v) ** 2)
+    with pytest.raises(ValueError, match=r"sigma must be finite and in \[1e-12, 1"):
+        compared_by(v, e, sigma)
+    with pytest.raises(ValueError, match=r"v must be finite and in \[1e-09, 1e\+06\]"):
+        compared_by(v * 1e307, e, 0.01)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("rows", "sigma", "left_out"),
+    [
+        (5, None, ("Eq. 34, q free", "Eq. 34, q = 1/2", "ring force")),
+        (5, 0.01, ("Eq. 34, q free",)),
+        (7, None, ("Eq. 34, q free",)),
+        (8, None, ()),
+    ],
+)
+def test_models_that_need_more_rows_are_named(rows, sigma, left_out):
+    v = np.geomspace(0.2, 2.0, rows)
+    e = 0.8 * np.sqrt(1.0 - (0.19 / v) ** 2) + 0.01 * np.cos(7.0 * v)
+    found = compare_models(v, e, sigma)
+    assert found.left_out == left_out
+    named = [w for w in found.warnings if w.startswith("models left out, for")]
+    assert named == [
+        f"models left out, for {rows} rows are too few for them: {', '.join(left_out)}"
+    ] * bool(left_out)
+
+
+def test_an_average_that_breaks_its_invariants_is_an_error(compared):
+    *_, found = compared
+    for change in (
+        {"v_c": np.nan},
+        {"v_c": found.v_c_interval[1] * 1.01},
+        {"v_c_interval": (found.v_c, found.v_c)},
+        {"v_c_interval": (0.0, np.inf)},
+        {"models": found.models[:1]},
+        {"models": tuple(replace(m, interval=(1e3, 2e3)) for m in found.models)},
+    ):
+        with pytest.raises(RuntimeError, match="the average of models went wrong"):
+            _require_sound(replace(found, **change))
 
 
 def test_models_may_be_chosen_by_name(compared):

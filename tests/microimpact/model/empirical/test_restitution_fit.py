@@ -24,7 +24,7 @@ def noisy(number, sigma=0.01):
 
 def chi_square_at(sets, v_c):
     """Least chi-square of each data set with v_c held, from two starts that no fit has."""
-    return profile(sets, np.zeros(1, int), 1.0 - v_c / sets.unit, fresh=2).chi_square
+    return profile(sets, np.zeros(1, int), 1.0 - v_c / sets.unit, fresh=2).value
 
 
 @pytest.fixture(scope="module")
@@ -333,14 +333,14 @@ GOOD = {"v": V, "e": E, "sigma": 0.01, "q": 0.5}
         ({"v": V[:5], "e": E[:5], "q": None}, ValueError, "at least 6 points .* got 5"),
         ({"v": np.repeat(V[:3], 4), "e": np.repeat(E[:3], 4)}, ValueError, "4 different speeds"),
         ({"e": 0.0 * V}, ValueError, "no sphere rebounds"),
-        ({"v": -V}, ValueError, "v must be finite and > 0"),
+        ({"v": -V}, ValueError, "v must be finite and in"),
         ({"v": np.where(V > 1.0, np.nan, V)}, ValueError, "v must be .* got nan at index"),
         ({"e": -E}, ValueError, "e must be finite and in \\[0, 1.2\\]"),
         ({"e": 3.0 * E}, ValueError, "e must be .* in \\[0, 1.2\\]"),
         ({"e": np.where(V > 1.0, np.inf, E)}, ValueError, "e must be .* got inf"),
         ({"e": E[1:]}, ValueError, "v and e must be of one shape"),
         ({"v": V[:, None], "e": E[:, None]}, ValueError, "one shape \\(n,\\)"),
-        ({"sigma": 0.0}, ValueError, "sigma must be finite and >= 1e-12, got 0"),
+        ({"sigma": 0.0}, ValueError, "sigma must be finite and in .*, got 0"),
         ({"sigma": [0.1, 0.2]}, ValueError, "sigma must be one number or of shape \\(20,\\)"),
         ({"q": 0.0}, ValueError, "q must be finite and > 0"),
         ({"q": [0.5, 0.6]}, TypeError, "q must be one real number"),

@@ -9,11 +9,10 @@ import pytest
 from scipy.optimize import least_squares
 
 from microimpact import fit_restitution, restitution
-from microimpact.model.empirical import kernel
 from microimpact.model.empirical.data import data_sets
 from microimpact.model.empirical.intervals import interval_batch
 from microimpact.model.empirical.kernel import V_C
-from microimpact.model.empirical.search import fit_batch, model, profile
+from microimpact.model.empirical.search import Box, fit_batch, lowest, profile, squares
 
 TRUE = {"k": 60.0, "p": 1.0, "kappa": 0.4, "q": 0.5, "v_c": 1.0}
 CHI_SQUARE_95 = 3.841459
@@ -28,7 +27,7 @@ def measured(lowest, sigma, replicates, points=20):
 def chi_square_at(sets, v_c):
     """Least chi-square of each data set with v_c held, from two starts that no fit has."""
     count = len(sets.unit)
-    return profile(sets, np.arange(count), 1.0 - v_c / sets.unit, fresh=2).chi_square
+    return profile(sets, np.arange(count), 1.0 - v_c / sets.unit, fresh=2).value
 
 
 def witness(v, e, sigma, q, held=None):
@@ -132,42 +131,6 @@ def test_captured_spheres_count_as_in_the_single_fit(q):
         assert batch.capture_on_bound[i] == ("v_c" in single.on_bound)
 
 
-def test_exponentials_and_logarithms_are_those_of_numpy():
-    x = np.concatenate([np.linspace(-700.0, 700.0, 2001), [-1e-9, 0.0, 1e-300]])
-    ours = [kernel._exp(each) for each in x]
-    np.testing.assert_allclose(ours, np.exp(x), rtol=1e-15)
-    x = np.concatenate([np.geomspace(1e-300, 1e300, 2001), np.linspace(0.5, 2.0, 2001)])
-    ours = [kernel._log(each) for each in x]
-    np.testing.assert_allclose(ours, np.log(x), rtol=1e-15)
-    # beyond the range of numbers a curve is flat, and must stay finite
-    assert kernel._exp(1e5) == pytest.approx(np.exp(708.0), rel=1e-15)
-    assert 0.0 < kernel._exp(-1e5) < 1e-307
-
-
-def test_compiled_sums_are_those_of_the_plain_curve():
-    random = np.random.default_rng(5)
-    end, points = 0.9, 11
-    v = np.sort(random.uniform(0.3, 12.0, (kernel.LANES, points)), axis=1)
-    e = random.uniform(0.0, 0.9, v.shape)
-    weight = random.uniform(10.0, 100.0, v.shape) * (random.uniform(size=v.shape) > 0.2)
-    x = np.log([20.0, 1.1, 0.3, 0.6, 0.3]) + random.normal(0.0, 0.3, (kernel.LANES, 5))
-    room = np.full((4 * 12, kernel.LANES), np.nan)
-    state = np.full((kernel.STATE_ROWS, kernel.LANES), np.nan)
-    slopes = np.empty((kernel.GROUP * kernel.COLUMNS, kernel.LANES))
-    for lane in range(kernel.LANES):
-        data = np.array([v[lane], np.log(v[lane]), e[lane], weight[lane]])
-        count = kernel.enter(data, end, x[lane], x[lane], x[lane], lane, room, state)
-        assert count == np.count_nonzero(weight[lane])
-    state[kernel.TRIAL : kernel.TRIAL + 5] = x.T
-    kernel.evaluate(room, 3, state, slopes)
-    sums = state[kernel.NEW_SUMS : kernel.NEW_SUMS + 36].reshape(6, 6, -1)
-    for lane in range(kernel.LANES):
-        curve, rows = model(v[lane], x[lane, :V_C], end, np.exp(x[lane, V_C]))
-        rows = np.column_stack([rows, curve - e[lane]]) * weight[lane, :, None]
-        expected = np.triu(rows.T @ rows)
-        np.testing.assert_allclose(np.triu(sums[:, :, lane]), expected, rtol=1e-11, atol=1e-9)
-
-
 @pytest.mark.parametrize("q", [None, 0.5])
 def test_profile_interval_covers_in_a_regular_cell(q):
     replicates = 1000
@@ -197,7 +160,7 @@ def test_coverage_is_that_of_the_interval():
 
 
 def test_a_fit_does_not_depend_on_its_batch():
-    count = kernel.LANES + 7  # some searches wait for a lane
+    count = 40
     v, e = measured(1.5, 0.03, count)
     sets = data_sets(v, e, 1.0 / 0.03)
     whole = fit_batch(sets)
@@ -209,23 +172,29 @@ def test_a_fit_does_not_depend_on_its_batch():
         np.testing.assert_array_equal(interval_batch(alone, fit, CHI_SQUARE_95).ends[0], ends[i])
 
 
-def test_a_step_is_judged_by_what_it_gains():
-    state = np.zeros((kernel.STATE_ROWS, kernel.LANES))
-    rows = [kernel.CHI_SQUARE, kernel.NEW_CHI_SQUARE, kernel.EXPECTED, kernel.DAMPING]
-    others = [kernel.HEAVIER, kernel.LEFT, kernel.TRIAL]
-    state[rows + others] = np.array([[1, 1, 0, 1e-3, 4, 9, 5]]).T
-    state[rows, 0] = 1.0, 0.5, 0.5, 0.3  # as good as expected
-    state[rows, 1] = 1.0, 1.5, 0.5, 0.3  # worse
-    state[rows, 2] = 1.0, 1.0 + 1e-13, 1e-16, 1e-3  # at the minimum, but for rounding
-    state[rows, 3] = 1.0, 1.0 + 1e-13, 1e-16, 1.0  # a step that the damping makes short
-    state[rows, 4] = 1.0, 1.5, 0.5, 1e11  # no damping helps
-    kernel._judge(state, 1e-9)
-    np.testing.assert_array_equal(state[kernel.X, :5], [5.0, 0.0, 0.0, 0.0, 0.0])
-    np.testing.assert_array_equal(state[kernel.CHI_SQUARE, :5], [0.5, 1.0, 1.0, 1.0, 1.0])
-    np.testing.assert_array_equal(state[kernel.LEFT, :5], [8.0, 8.0, 0.0, 8.0, 0.0])
-    np.testing.assert_array_equal(state[kernel.CONVERGED, :5], [0.0, 0.0, 1.0, 0.0, 1.0])
-    np.testing.assert_allclose(state[kernel.DAMPING, [0, 1, 3]], [0.1, 1.2, 4.0], rtol=1e-15)
-    np.testing.assert_array_equal(state[kernel.HEAVIER, [0, 1, 3]], [2.0, 8.0, 8.0])
+def test_a_search_goes_down_the_valley_of_rosenbrock_and_stays_in_its_box():
+    def valley(x, rows):
+        missed = np.column_stack([10.0 * (x[:, 1] - x[:, 0] ** 2), 1.0 - x[:, 0]])
+        slopes = np.zeros((len(x), 2, 2))
+        slopes[:, 0, 0], slopes[:, 0, 1], slopes[:, 1, 0] = -20.0 * x[:, 0], 10.0, -1.0
+        return squares(missed, slopes)
+
+    # Free; with a bound on the way; with the second variable fixed.
+    low = np.array([[-5.0, -5.0], [-5.0, -5.0], [-5.0, 0.25]])
+    high = np.array([[5.0, 5.0], [0.5, 5.0], [5.0, 0.25]])
+    starts = np.array([np.tile([-1.2, 1.0], (3, 1)), np.tile([3.0, 3.0], (3, 1))])
+    found = lowest(valley, starts, Box(low, high, np.full(2, 2.0)), 1e-12)
+    assert found.converged.all()
+    np.testing.assert_allclose(found.x[:2], [[1.0, 1.0], [0.5, 0.25]], atol=1e-6)
+    np.testing.assert_allclose(found.value[:2], [0.0, 0.25], atol=1e-9)
+    assert found.x[2, 1] == 0.25
+    x = found.x[2, 0]
+    assert 200.0 * x * (x**2 - 0.25) + (x - 1.0) == pytest.approx(0.0, abs=1e-4)
+    # The start that promises most is followed where one is to be.
+    assert lowest(valley, starts, Box(low, high, np.full(2, 2.0)), 1e-12, most=1).each.shape == (
+        1,
+        3,
+    )
 
 
 def test_a_missing_datum_is_one_that_was_never_taken():
