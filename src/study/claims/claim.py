@@ -294,7 +294,8 @@ def rows(name: str, context: Context) -> Iterator[Row]:
                 for case, name, number in flat(numbers, each.case)
             ]
         except NotComputable as error:
-            results = [{"case": each.case, "quantity": NOT_COMPUTED, "problem": str(error)}]
+            why = " ".join(str(error).split())
+            results = [{"case": each.case, "quantity": NOT_COMPUTED, "problem": why}]
         for result in results:
             yield row | result | {"inputs": " ".join(sorted(read.names))}
 

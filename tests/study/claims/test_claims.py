@@ -10,6 +10,7 @@ import pytest
 from tests.shared import tables_made_once
 from tests.study.claims.breaks import BREAKS, STEEL, World, judged_with, read_breaks
 
+from microimpact.core.computable import NotComputable
 from study import analyses
 from study.analyses import claim_numbers
 from study.analyses.claim_numbers import numbers_of
@@ -188,7 +189,7 @@ def test_slow_impacts_leave_claims_not_computed_and_the_others_alone(
     table = claim_numbers.run(build(claim_numbers.Params, slow), inputs)["claim_numbers"]
     problems = table[table["problem"] != ""].groupby("claim")["problem"].first()
     assert {"C07", "C10", "C59"} <= set(problems.index)
-    assert problems["C10"] == ("ValueError: steel.speed_m_per_s: at 0.01 it rebounds at no angle")
+    assert problems["C10"] == "steel.speed_m_per_s: at 0.01 it rebounds at no angle"
     assert set(table.loc[table["problem"] != "", "quantity"]) == {NOT_COMPUTED}
     ledger = verdicts(claims, table)[0].set_index("id")
     assert (ledger["verdict"] == NOT_COMPUTED).to_dict() == {
@@ -203,10 +204,8 @@ def test_slow_impacts_leave_claims_not_computed_and_the_others_alone(
 @pytest.mark.parametrize(
     ("numbers", "problem"),
     [
-        (ArithmeticError("one\n  two"), "ArithmeticError: one two"),
-        (RuntimeError("one\n  two"), "RuntimeError: one two"),
-        (ValueError("one\n  two"), "ValueError: one two"),
-        ({"v": np.nan}, "ArithmeticError: v = nan is not a finite number"),
+        (NotComputable("one\n  two"), "one two"),
+        ({"v": np.nan}, "v = nan is not a finite number"),
     ],
 )
 def test_what_the_settings_forbid_is_told_in_one_line(numbers, problem, world):
