@@ -308,7 +308,7 @@ def _draw_averaged(table: list[Row], predictions: list[Row]) -> None:
             100.0 * np.hypot(float(row["size_scatter"]), float(row["speed_error"])) for row in rows
         ]
         # Marks of the same scatter stand side by side.
-        apart = [0.3 * (x[:i].count(at) - 0.5 * (x.count(at) - 1)) for i, at in enumerate(x)]
+        apart = [0.12 * (x[:i].count(at) - 0.5 * (x.count(at) - 1)) for i, at in enumerate(x)]
         _bars(axes, rows, [at + off for at, off in zip(x, apart, strict=True)])
         axes.set(title=title, xlabel="scatter of sizes and speeds (%)", ylim=(0.3, 1.02))
         axes.axhline(CONFIDENCE, color="#555555", linestyle=":")
