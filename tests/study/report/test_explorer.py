@@ -308,6 +308,16 @@ def test_a_choice_of_material_sets_its_constants_and_own_numbers_are_named_so(br
     assert text(browser, "out_vc") == "0.1800 m/s"
 
 
+def test_a_link_that_names_what_the_page_lacks_says_so(browser, page):
+    visit(browser, page.as_uri() + "#contact=nosuch&foo=1&basis=hertz&v=0.5")
+    said = text(browser, "link_problem")
+    assert "“foo”, “contact=nosuch”" in said
+    assert "basis" not in said
+    assert browser.find_element("id", "v").get_attribute("value") == "0.5"
+    visit(browser, page.as_uri() + "#v=0.5")
+    assert not browser.find_element("id", "link_problem").is_displayed()
+
+
 def test_bad_input_gives_a_message_for_each_field_and_no_numbers(browser):
     wrong = {"d": "1e9", "D": "0", "angle": "91", "v": "", "w": "1e400", "spin2": "3"}
     for name, typed in wrong.items():

@@ -111,8 +111,8 @@ globalThis.Fields = (() => {
   }
 
   /**
-   * The texts of a state as a fragment of an address, and back; unknown keys are left out. Where it
-   * names a contact, the texts are of what differs from that contact.
+   * The texts of a state as a fragment of an address, and back with the keys that are not known.
+   * Where it names a contact, the texts are of what differs from that contact.
    */
   function toFragment(texts, basis) {
     return new URLSearchParams({ ...texts, basis }).toString();
@@ -121,8 +121,11 @@ globalThis.Fields = (() => {
   function fromFragment(fragment) {
     const given = Object.fromEntries(new URLSearchParams(fragment.replace(/^#/, "")));
     const known = Object.entries(given).filter(([key]) => key in byKey);
+    const named = new Set([...Object.keys(byKey), "basis", "contact"]);
+    const unknown = Object.keys(given).filter((key) => !named.has(key));
+    if (given.basis !== undefined && !BASES.includes(given.basis)) unknown.push(`basis=${given.basis}`);
     const basis = BASES.includes(given.basis) ? given.basis : null;
-    return { texts: Object.fromEntries(known), basis, contact: given.contact };
+    return { texts: Object.fromEntries(known), basis, contact: given.contact, unknown };
   }
 
   return {

@@ -108,7 +108,8 @@ globalThis.Page = (() => {
     say("V", speedText(speed) + (found.captured && speed > 0 ? ", rolling" : ""));
     say("rebound_angle", found.captured ? "stays" : `${digits(lift)}°`);
     say("Omega", spinText(found.spin));
-    say("Omega2", Number.isFinite(scale.size) ? spinText(found.partner_spin) : "a plane");
+    byId("out_Omega2").closest(".x-result").hidden = !Number.isFinite(scale.size);
+    say("Omega2", spinText(found.partner_spin));
     say("time", timeText(found.contact_time));
     say("TL", digits(found.translational_energy_loss));
     say("total", digits(found.energy_loss));
@@ -198,8 +199,14 @@ globalThis.Page = (() => {
   }
 
   function restore() {
-    const { texts: given, basis, contact } = Fields.fromFragment(location.hash);
-    if (contact) setContact(contact);
+    const { texts: given, basis, contact, unknown } = Fields.fromFragment(location.hash);
+    if (contact !== undefined && !numbers.contacts.some((c) => c.contact === contact)) {
+      unknown.push(`contact=${contact}`);
+    }
+    const names = unknown.map((name) => `“${name}”`).join(", ");
+    byId("link_problem").hidden = unknown.length === 0;
+    byId("link_problem").textContent = `The link names what this page does not have: ${names}. It is left out.`;
+    if (contact !== undefined) setContact(contact);
     for (const [key, text] of Object.entries(given)) byId(key).value = text;
     if (basis) byId("basis").value = basis;
     update();
