@@ -120,9 +120,7 @@ def fit_command(
         require_format(plot)
         require_writable(plot)
     measured = _measured(data, reading)
-    with patience(
-        f"fitting {measured.v.size} points; with errors of speed or size this takes minutes"
-    ):
+    with patience(f"fitting {measured.v.size} points"):
         comparison = compare_models(**measured, confidence=confidence, models=models or None)
     warn(implausible({"capture_velocity": comparison.v_c}))
     if plot:
@@ -203,8 +201,8 @@ def calibrate_command(
     else:
         measured = _measured(data, reading)
         start = _bodies(pair)
-        with patience("drawing contacts by law; errors of speed or size take minutes"):
-            drawn = calibrate_laws(start, **measured, draws=draws, seed=seed)
+        with patience("fitting every law, then drawing contacts") as say:
+            drawn = calibrate_laws(start, **measured, draws=draws, seed=seed, progress=say)
         contacts, bests = dict(drawn.contacts), dict(drawn.best)
         weights = {model.name: model.weight for model in drawn.comparison.models}
         _print_contacts(contacts, bests, weights, measured.read, as_json=as_json, file=output)

@@ -85,14 +85,22 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]
 
 
 @contextmanager
-def patience(work: str) -> Iterator[None]:
-    """Name work on a terminal's standard error if it takes longer than `PATIENCE`."""
-    timer = Timer(PATIENCE, click.echo, (f"microimpact: {work} ...",), {"err": True})
+def patience(work: str) -> Iterator[Callable[[str], None]]:
+    """Name work that takes longer than `PATIENCE`; yields what says how far it is.
+
+    Both on standard error, and only if that is a terminal.
+    """
+    terminal = sys.stderr.isatty()
+
+    def say(text: str) -> None:
+        if terminal:
+            click.echo(f"microimpact: {text} ...", err=True)
+
+    timer = Timer(PATIENCE, say, (work,))
     timer.daemon = True
-    if sys.stderr.isatty():
-        timer.start()
+    timer.start()
     try:
-        yield
+        yield say
     finally:
         timer.cancel()
 
