@@ -1,4 +1,4 @@
-"""Single impacts of open test suites: the table of docs/open-suites.md, row by row.
+"""Single impacts of open test suites: the table of docs/performance.md, row by row.
 
 Inputs and outcomes of LAMMPS are those of its granular test suite as of July 2026; most of them
 are cases of Chung and Ooi 2011.
@@ -82,7 +82,7 @@ def touch():
 
 
 def test_the_page_has_what_is_computed():
-    page = (ROOT / "docs/open-suites.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/performance.md").read_text(encoding="utf-8")
     number = r"(-?\d[\de.-]*)"
     printed = re.findall(rf"(?m)\| {number} \| {number} \| {number} % \|$", page)
     computed = [*overlaps(), *restitution(), *oblique(), *spinning(), *touch()]
