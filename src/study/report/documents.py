@@ -31,6 +31,7 @@ DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
 # Tables of the page of deviations and of the counts in the README.
 LEDGERS = ("claims", "equations", "claim_evidence", "claim_results", "claim_shares")
 CODECHECK = "../codecheck.yml"
+README = {"readme.md": "../README.md"}
 ABOUT = "<!-- Made by `make pages` from {template} and tables of a full run; do not edit. -->\n\n"
 
 
@@ -127,7 +128,15 @@ def pages(results: Path, docs: Path) -> tuple[dict[str, str], tuple[str, ...]]:
         return read[name]
 
     environment = _ENVIRONMENT.overlay()
-    environment.globals = {**_ENVIRONMENT.globals, "table": table}
+    ledgers = {name: read_rows(results / f"tables/{name}.csv") for name in ("claims", "equations")}
+    environment.globals = {
+        **_ENVIRONMENT.globals,
+        **ledgers,
+        "table": table,
+        "counts": counts,
+        "amendments": amendments(),
+        "figures": analyses.figures(),
+    }
     texts = {
         DEVIATIONS: deviations(results),
         CODECHECK: codecheck(analyses.figures()),
@@ -138,7 +147,8 @@ def pages(results: Path, docs: Path) -> tuple[dict[str, str], tuple[str, ...]]:
             body = environment.from_string(text).render()
         except (PageError, jinja2.TemplateError) as error:
             raise PageError(f"{template}: {error}") from None
-        texts[template.name.removesuffix(SUFFIX)] = ABOUT.format(template=template.name) + body
+        name = template.name.removesuffix(SUFFIX)
+        texts[README.get(name, name)] = ABOUT.format(template=template.name) + body
     return texts, tuple(sorted({*LEDGERS, *read}))
 
 
