@@ -254,7 +254,13 @@ use rule analysis as inference with:
         **tables("calibration"),
     output:
         **tables("evidence_summary", "evidence_statements", "posterior_contacts"),
-        **data("evidence_limits", "evidence_works", "posterior_bands"),
+        **data(
+            "evidence_limits",
+            "evidence_works",
+            "capture_velocity_summary",
+            "capture_velocity_profile",
+            "posterior_bands",
+        ),
     pathvars:
         analysis="inference",
     params:

@@ -98,8 +98,8 @@ def agreement(equation: Equation, proof: Proof, case: ReferenceCase) -> float | 
 def verdict(equation: Equation, printed: Checks, used: Checks, apart: float | None) -> str:
     """Return the verdict that the checks of both forms give.
 
-    ``definition``, ``correct``, ``typographical slip``, ``corrected`` (wrong as printed: an error
-    of the article or a misprint), ``undecidable`` (the text leaves a choice open), or ``unproved``:
+    ``definition``, ``correct``, ``typographical slip`` (of the scan), ``corrected`` (wrong as
+    printed: an error of the article, or the scan does not tell), ``undecidable`` (the text leaves a choice open), or ``unproved``:
     the form used fails a check, or the function does not compute it.
     """
     if not used.hold or (apart is not None and apart > AGREEMENT):
@@ -151,6 +151,7 @@ def row(equation: Equation, proof: Proof, case: ReferenceCase) -> dict[str, Any]
         "derivation_used": used.derivation,
         "verdict": judged,
         "kind_of_slip": equation.slip if judged in {"typographical slip", "corrected"} else "none",
+        "error": (equation.error or equation.id) if equation.used else "",
         "reason": equation.reason,
         "function": equation.function,
         "consequence": equation.consequence,

@@ -10,24 +10,22 @@ import sympy
 
 from microimpact.model.rigid_body import algebra
 from study.equations.forms import Form, symbols, vanishes
-from study.equations.impulses import INERTIA, adhesion, newton
+from study.equations.impulses import adhesion, newton
 from study.equations.records import Derivation, Facts, Proof, ReferenceCase, Values, follows
 
 e, eta, m, omega, p, R, rho, v, V = symbols("e eta m omega p R rho v V")
-v_n, v_t, V_n, V_t, Omega, P_n, P_t = symbols("v_n v_t V_n V_t Omega P_n P_t")
-F, T_L, W_A, W_D, W_n, x = symbols("F T_L W_A W_D W_n x")
+v_n, v_t, V_n, V_t, P_t = symbols("v_n v_t V_n V_t P_t")
+F, T_L, W_A, W_D, x = symbols("F T_L W_A W_D x")
 P_D_R = symbols("P_D_R")[0]
 
 
 @cache
-def losses(*, rotation: bool) -> Facts:
-    """Energy lost by the state after impact, with the rotation or, without spin, less it."""
+def losses() -> Facts:
+    """Energy of translation lost by the state after impact, without initial spin."""
     after = newton()
     lost = m * (v_n**2 + v_t**2 - after[V_n] ** 2 - after[V_t] ** 2) / 2
-    before = {v: sympy.sqrt(v_n**2 + v_t**2), eta: after[eta]}
-    if rotation:
-        return before | {T_L: lost + INERTIA * (omega**2 - after[Omega] ** 2) / 2}
-    return {omega: 0, T_L: lost, **{name: value.subs(omega, 0) for name, value in before.items()}}
+    facts = {v: sympy.sqrt(v_n**2 + v_t**2), eta: after[eta], T_L: lost}
+    return {omega: 0} | {name: value.subs(omega, 0) for name, value in facts.items()}
 
 
 @cache
@@ -44,7 +42,6 @@ def works() -> Facts:
     return {
         W_D: deformation,
         W_A: adhesive,
-        W_n: gained,
         e: sympy.sqrt(sympy.factor(2 * gained / (m * v_n**2))),
     }
 
@@ -74,36 +71,15 @@ def _made_by_spin(form: Form, _: ReferenceCase) -> bool:
     return form.relation == "!=" and absent and present
 
 
-def _rolling_losses(e: float) -> tuple[float, float]:
-    """Return translational and total loss of rolling at 60 degrees without spin."""
-    v_n, v_t = -np.sin(np.pi / 3), np.cos(np.pi / 3)
-    rolling = algebra.rolling_impulse_ratio(v_n, v_t, e)
-    lost = algebra.energy_loss(v_n, v_t, 0.0, 1.0, e, rolling)
-    return float(lost.translational), float(lost.total)
-
-
 def _lost(x: Values, rho: float) -> Any:
     """Return the loss through adhesion, J."""
     return x["m"] * algebra.adhesion_work(x["v_n"], x["R"], rho)
 
 
 PROOFS = {
-    "14": Proof(follows("translational energy, no spin", lambda: losses(rotation=False))),
-    "14 total": Proof(
-        follows("all kinetic energy, any spin", lambda: losses(rotation=True)),
-        lambda x: (
-            algebra.energy_loss(x["v_n"], x["v_t"], x["omega"], x["r"], x["e"], x["mu"]).total
-        ),
-        lambda at: np.subtract(*_rolling_losses(at.values()["e"])),
-    ),
+    "14": Proof(follows("translational energy, no spin", losses)),
     "14 notation": Proof(follows("Eq. (3)", lambda: {T_L: (v**2 - V**2) / v**2})),
     "15": Proof(Derivation("symbolic: change of variable", _power)),
-    "3.1.3 rebound work": Proof(
-        follows("integral of velocity over impulse", works),
-        consequence=lambda at: (
-            at.printed(rho=0.5) / at.formula("W_n = R**2*(1 - rho)**2*m*v_n**2/2", rho=0.5)
-        ),
-    ),
     "3.1.3 adhesion work": Proof(
         follows("integral of velocity over impulse", works),
         consequence=lambda at: -at.printed(rho=0.01) / _lost(at.values(), 0.01),

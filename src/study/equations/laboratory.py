@@ -103,11 +103,6 @@ PROOFS = {
         follows("rolling loss at 90 degrees", normal_incidence),
         lambda x: algebra.energy_loss(-x["v"], 0, 0, x["r"], x["e"], 0).translational,
     ),
-    "2.4.2 rotational loss": Proof(
-        follows("loss 1 - e^2 at 90 degrees", normal_incidence),
-        _loss,
-        lambda at: at.printed(omega=0.0),
-    ),
     "2.4.2 high angles": Proof(
         follows("rolling loss, limit of 90 degrees", normal_incidence),
         consequence=lambda at: (

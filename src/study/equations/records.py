@@ -17,7 +17,7 @@ from study.equations.forms import Form, evaluate, symbol, units_of, vanishes
 # Number of an equation, or section, or number, and name of a relation within the text.
 EQUATION_NAME = r"^\d+(\.\d+)*( \w[\w ]*)?$"
 
-Slip = Literal["none", "scan", "article", "scan or article"]
+Slip = Literal["none", "scan", "article", "open"]
 Checked = Literal["passed", "failed", "open", "none"]
 Facts = dict[Any, Any]
 Values = Mapping[str, Any]
@@ -70,7 +70,8 @@ class Equation:
     section: Name  # In which it stands
     printed: Name  # As printed in the article
     used: str = ""  # Where the form used here is another: that form
-    slip: Slip = "none"  # Where the difference of both forms comes from
+    slip: Slip = "none"  # Whose the difference of both forms is
+    error: str = ""  # Name of a slip that several relations share
     means: dict[str, str] = field(default_factory=dict)
     reason: Name  # Why the verdict, in one sentence
     function: str = ""  # Dotted path of what implements the relation; empty where nothing needs to

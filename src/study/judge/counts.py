@@ -32,3 +32,10 @@ def revisions(amendments: Iterable[Row]) -> Revisions:
     for row in amendments:
         parts[row["id"]].add(row["part"])
     return Revisions(len(parts), sum("criteria" in changed for changed in parts.values()))
+
+
+def errors(equations: Iterable[Row]) -> dict[str, int]:
+    """Count distinct errors, not rows, by whose they are: ``article``, ``open``, ``scan``."""
+    kinds = {row["error"]: row["kind_of_slip"] for row in equations if row["error"]}
+    found = Counter(kinds.values())
+    return {kind: found[kind] for kind in ("article", "open", "scan")}

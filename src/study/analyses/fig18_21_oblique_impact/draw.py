@@ -79,7 +79,7 @@ def draw_fig18(sheet: Sheet) -> None:
     """,
     {"loss": ""},
     data=("fig21",),
-    equations="3, 14 total, 25, 27, 29",
+    equations="3, 14, 25, 27, 29",
     article="""
         Measured energy loss of steel on silicon against the angle, with two curves of the
         simulation: of the whole loss (solid) and without the energy of the final spin (dashed).

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
+from itertools import chain
 from typing import Annotated, Any, Literal
 
 import numpy as np
+import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
@@ -49,6 +51,7 @@ WORK: Parameter = "work_of_adhesion_J_per_m2"
 # What is lost in the material adds to the loss, so that no share of it is preferred.
 LINEAR = ("hertz_damping_s_per_m", "rate_exponent", "friction")
 Span = Annotated[tuple[NonNegative, Positive], Ascending]
+Basis = FrictionBasis | Literal["pull-off"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +61,7 @@ class Law:
     law: Kind
     ranges: dict[Parameter, Span]
     fixed: dict[Parameter, NonNegative] = field(default_factory=dict)
-    friction_bases: Annotated[tuple[FrictionBasis | Literal["pull-off"], ...], Field(min_length=1)]
+    friction_bases: Annotated[tuple[Basis, ...], Field(min_length=1)]
 
     def parameters(self, points: FloatArray) -> dict[str, FloatArray]:
         """Free parameters by name (n,) from points of the unit cube (n, axes)."""
@@ -76,16 +79,34 @@ class Law:
             return (value - low) / (high - low)
         return float(np.log(value / low) / np.log(high / low))
 
+    def log_prior(self, scenario: Scenario, values: Values) -> FloatArray:
+        """Logarithm of the prior density of a scenario over that of the whole ranges (n,).
+
+        -inf beyond the ranges of the scenario; a parameter that the law lacks does not count.
+        """
+        log = np.zeros(len(values["capture"]))
+        for name, (lowest, highest) in self.ranges.items():
+            low, high = scenario.within.get(name, (lowest, highest))
+            value = values[name]
+            if name in scenario.uniform and name not in LINEAR:
+                log += np.log(value * np.log(highest / lowest) / (high - low))
+            else:
+                log -= np.log(self.share(name, high) - self.share(name, low))
+            log[(value < low) | (value > high)] = -np.inf
+        return log
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario:
-    """Statements that do not count, and ranges narrower than those of the laws.
+    """Statements that do not count, and what is otherwise than the laws have it.
 
     Given as a choice, what it does not name is as in the first scenario.
     """
 
     without: tuple[Name, ...] | None = None
-    within: dict[Parameter, Span] = field(default_factory=dict)
+    within: dict[Parameter, Span] = field(default_factory=dict)  # Narrower ranges
+    uniform: tuple[Parameter, ...] = ()  # Before the statements, in place of their logarithm
+    friction_bases: tuple[Basis, ...] = ()  # In place of those of the laws
     intervals: dict[Name, Annotated[tuple[Finite, Finite], Ascending]] = field(default_factory=dict)
     tails: Positive = 1.0  # Factor of all tails
     angle_error_deg: Positive | None = None  # In place of that of the pair
@@ -140,6 +161,11 @@ class Case:
             changes = {f.name: getattr(choice, f.name) for f in fields(choice)}
             yield "choice", name, replace(first, **{k: v for k, v in changes.items() if v})
 
+    def friction_bases(self, law: Law) -> tuple[Basis, ...]:
+        """Return the normal forces in Coulomb's law that some scenario has with a law."""
+        named = (each.friction_bases for _, _, each in self.rows())
+        return tuple(dict.fromkeys(chain(law.friction_bases, *named)))
+
     def normal_error(self, scenario: Scenario) -> float:
         """Return the standard deviation of the mean normal of an experiment, rad."""
         angle = scenario.angle_error_deg or self.angle_error_deg
@@ -170,9 +196,10 @@ class Likelihood:
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """Values of contacts for the statements of a case, and their likelihoods, each made once."""
+    """Values of a law's contacts for the statements of a case; each likelihood is made once."""
 
     case: Case
+    law: Law
     values: Values
     _logs: dict[tuple[Any, ...], FloatArray] = field(default_factory=dict)
 
@@ -190,38 +217,29 @@ class Judged:
             self._logs[key] = statement.log_likelihood(*self.arguments(scenario, name))
         return self._logs[key]
 
+    def bases(self, scenario: Scenario) -> BoolArray:
+        """Which normal forces in Coulomb's law (bases,) a scenario has."""
+        named = scenario.friction_bases or self.law.friction_bases
+        return np.isin(self.case.friction_bases(self.law), named)
+
     def misses(self, scenario: Scenario, name: str) -> BoolArray:
         """Whether contacts (n,) miss a statement; of open angles, sizes and bases, one must do."""
-        missed = self.case.statements[name].misses(*self.arguments(scenario, name))
+        statement = self.case.statements[name]
+        missed = statement.misses(*self.arguments(scenario, name))
+        if statement.quantity in FRICTIONAL:
+            missed = missed[:, self.bases(scenario)]
         return missed if missed.ndim == 1 else np.all(missed, axis=1)
 
     def likelihood(self, scenario: Scenario) -> Likelihood:
-        """Return the likelihood of a scenario; open angles, sizes and bases are alike before it.
-
-        Contacts that are outside of the ranges of the scenario have none.
-        """
+        """Return the likelihood of a scenario; open angles, sizes and bases are alike before it."""
         total: FloatArray = np.zeros(len(self.values["capture"]))
-        by_basis = np.zeros((len(total), 1))
+        by_basis = np.where(self.bases(scenario), total[:, None], -np.inf)
         for name in counted(self.case, scenario):
             log = self.log(scenario, name)
             if self.case.statements[name].quantity in FRICTIONAL:
                 by_basis = by_basis + log
             else:
                 total = total + log_mean(log)
-        total = total + log_mean(by_basis)
-        return Likelihood(np.where(inside(scenario, self.values), total, -np.inf), by_basis)
-
-
-def inside(scenario: Scenario, values: Values) -> BoolArray:
-    """Whether contacts (n,) are within the ranges of a scenario; a parameter the law lacks is."""
-    is_inside = np.ones(len(values["capture"]), bool)
-    for name, (low, high) in scenario.within.items():
-        if name in values:
-            is_inside &= (values[name] >= low) & (values[name] <= high)
-    return is_inside
-
-
-def prior_share(law: Law, scenario: Scenario) -> float:
-    """Share of a law's parameters that are within the ranges of a scenario."""
-    spans = [(n, ends) for n, ends in scenario.within.items() if n in law.ranges]
-    return float(np.prod([law.share(n, high) - law.share(n, low) for n, (low, high) in spans]))
+        # As many as there are, not as are computed.
+        mean = scipy.special.logsumexp(by_basis, axis=1) - np.log(self.bases(scenario).sum())
+        return Likelihood(total + mean, by_basis)

@@ -8,7 +8,7 @@ loss and the parameters. Leaving a statement out, or another choice, weighs the 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated, get_args
 
@@ -32,7 +32,6 @@ from study.analyses.inference.case import (
     Parameter,
     Scenario,
     counted,
-    prior_share,
 )
 from study.analyses.inference.drawn import bands, intervals
 from study.analyses.inference.statements import (
@@ -44,7 +43,7 @@ from study.analyses.inference.statements import (
 )
 from study.contacts import ALL_LAWS, BAND, DRAWN, of_kind
 from study.declared.parameters import Count, Name, Points, Seed
-from study.tables import Row, Tables
+from study.tables import Row, Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",)}
 
@@ -64,6 +63,11 @@ RING = (
     "rate_exponent",
     "friction",
 )
+# Ends of what is likely by the likelihood alone: 95 % of chi square with one degree of freedom.
+LIKELY = 0.5 * scipy.stats.chi2.ppf(0.95, 1)
+LIKELY_ENDS = ("likely_low", "likely_high")
+# Classes of the capture velocity per decade, and how far down the likelihood is shown.
+PROFILE, DEPTH = 12, 6.0
 # Laws are preferred whose evidence is within this factor of the greatest (Kass and Raftery 1995).
 STRONG = np.log(20.0)
 
@@ -106,15 +110,17 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``evidence_summary``: by case, scenario, law: quantities, evidence, probability of the law.
     ``evidence_statements``: what each statement says, and what the contacts have.
     ``posterior_contacts``: draws of the contacts by scenario and law that it does not exclude.
-    ``evidence_limits``, ``evidence_works``: intervals of the first case. ``posterior_bands``: e
-    against the speed.
+    ``evidence_limits``, ``evidence_works``, ``capture_velocity_summary``: intervals of the first
+    case; ``capture_velocity_profile``: likelihood alone. ``posterior_bands``: e against the speed.
     `inputs`: ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``: contacts
     shown beside the bands.
     """
-    summaries, statements, contacts = [], [], []
+    summaries, statements, contacts, likelihoods = [], [], [], []
     for name, case in params.pairs.items():
         pools = {law: pool_of(case, law, inputs, params) for law in case.laws}
-        known = {law: Judged(case, dict(pool.record)) for law, pool in pools.items()}
+        known = {
+            law: Judged(case, case.laws[law], dict(pool.record)) for law, pool in pools.items()
+        }
         for kind, row, scenario in case.rows():
             weighed = [weigh(law, known[law], scenario, pools[law]) for law in pools]
             head: Row = {"case": name, "kind": kind, "scenario": row}
@@ -124,6 +130,8 @@ def run(params: Params, inputs: Tables) -> Tables:
                 excluded = {row["law"] for row in summarised if row.get("standing") == "excluded"}
                 kept = [each for each in weighed if each.law not in excluded]
                 contacts += [drawn(head, case, each, params) for each in kept]
+                if row in SHOWN and name == next(iter(params.pairs)):
+                    likelihoods.append(profiles(row, kept))
     table, contacts_drawn = pd.DataFrame(summaries), pd.concat(contacts, ignore_index=True)
     shown = table["scenario"].isin(SHOWN) & table["standing"].isin(["preferred", "consistent"])
     curves = []
@@ -136,6 +144,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         "evidence_summary": table,
         "evidence_statements": pd.DataFrame(statements),
         "posterior_contacts": contacts_drawn,
+        "capture_velocity_profile": pd.concat(likelihoods, ignore_index=True),
         "posterior_bands": pd.concat(curves, ignore_index=True),
         **intervals(case, table[table["case"] == first]),
     }
@@ -155,7 +164,7 @@ def values_at(case: Case, law: Law, inputs: Tables, points: FloatArray) -> Value
         return of_kind(bare.replace(diameter=diameters * 1e-6), law.law, columns)
 
     error = case.normal_error(next(iter(case.scenarios.values())))
-    values = values_of(case.statements, contacts, law.friction_bases, classes, error)
+    values = values_of(case.statements, contacts, case.friction_bases(law), classes, error)
     at_size = contacts(np.array([case.diameter_um]))
     impact = normal_impact(at_size, case.speed_m_per_s)
     limits = values["capture"]
@@ -177,9 +186,9 @@ def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance
     def log_densities(values: importance.Record) -> FloatArray:
         columns: dict[str, FloatArray] = {}
         heights: dict[str, float] = {}
-        judged = Judged(case, dict(values))
+        judged = Judged(case, law, dict(values))
         for kind, row, scenario in case.rows():
-            logs = judged.likelihood(scenario).total
+            logs = judged.likelihood(scenario).total + law.log_prior(scenario, judged.values)
             # What is left without one statement or another is one density, broader than the rest,
             # and so is what other choices leave.
             name, height = row if kind == "scenario" else kind, float(np.max(logs))
@@ -202,13 +211,14 @@ def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance
 def weigh(law: str, judged: Judged, scenario: Scenario, pool: importance.Pool) -> Weighed:
     """Weigh the pool of a law by a scenario."""
     likelihood = judged.likelihood(scenario)
-    share = prior_share(judged.case.laws[law], scenario)
-    logs = pool.log_weights(likelihood.total) - np.log(share)
+    prior = judged.law.log_prior(scenario, judged.values)
+    total = np.where(np.isfinite(prior), likelihood.total, -np.inf)
+    logs = pool.log_weights(total + prior)
     return Weighed(
         law=law,
         judged=judged,
         scenario=scenario,
-        likelihood=likelihood,
+        likelihood=replace(likelihood, total=total),
         weights=scipy.special.softmax(logs),
         result=importance.integral(logs, pool.tried),
     )
@@ -238,7 +248,8 @@ def summary(head: Row, case: Case, weighed: list[Weighed]) -> list[Row]:
         }
         # An excluded law has a row that says so.
         named = OUTCOMES[:1] if of_law["standing"] == "excluded" else quantities(case, each)
-        rows += quantiles(of_law, {name: each.values[name] for name in named}, each.weights)
+        values = {name: each.values[name] for name in named}
+        rows += quantiles(of_law, values, each.weights, each.likelihood.total)
     # Over the laws only what all of them have.
     names_of_all = set.intersection(*(set(quantities(case, each)) for each in weighed))
     pooled = {
@@ -248,8 +259,9 @@ def summary(head: Row, case: Case, weighed: list[Weighed]) -> list[Row]:
     }
     shares = zip(weighed, probability, strict=True)
     weights = np.concatenate([each.weights * share for each, share in shares])
+    likelihoods = np.concatenate([each.likelihood.total for each in weighed])
     over_all: Row = {"law": ALL_LAWS, "probability": 1.0, "effective_size": 1 / np.sum(weights**2)}
-    return rows + quantiles({**head, **over_all}, pooled, weights)
+    return rows + quantiles({**head, **over_all}, pooled, weights, likelihoods)
 
 
 def quantities(case: Case, weighed: Weighed) -> tuple[str, ...]:
@@ -257,12 +269,41 @@ def quantities(case: Case, weighed: Weighed) -> tuple[str, ...]:
     return (*OUTCOMES, *map(str, case.laws[weighed.law].ranges))
 
 
-def quantiles(head: Row, values: Mapping[str, FloatArray], weights: FloatArray) -> list[Row]:
-    """Return a row per quantity: lower end, median and upper end of a weighted sample."""
-    return [
-        {**head, "quantity": name, **dict(zip(COLUMNS, weighted(value, weights), strict=True))}
-        for name, value in values.items()
-    ]
+def quantiles(
+    head: Row, values: Mapping[str, FloatArray], weights: FloatArray, likelihoods: FloatArray
+) -> list[Row]:
+    """Return a row per quantity: quantiles of a weighted sample, and what is likely without a prior.
+
+    The latter are the ends of the values whose log likelihood, the greatest of all contacts with
+    them (profile), is within `LIKELY` of the greatest of all.
+    """
+    likely = likelihoods > np.max(likelihoods) - LIKELY
+    rows = []
+    for name, value in values.items():
+        among = value[likely & np.isfinite(value)]
+        ends = (np.min(among), np.max(among)) if among.size else (np.nan, np.nan)
+        each = zip(COLUMNS + LIKELY_ENDS, (*weighted(value, weights), *ends), strict=True)
+        rows.append({**head, "quantity": name, **dict(each)})
+    return rows
+
+
+def profiles(scenario: str, weighed: list[Weighed]) -> pd.DataFrame:
+    """Return the profile likelihood of the capture velocity by each law: no prior is in it.
+
+    The greatest log likelihood of all contacts with a capture velocity, less the greatest by any
+    law, in `PROFILE` classes a decade. Open angles, sizes and bases of friction are averaged over.
+    """
+    greatest = max(float(np.max(each.likelihood.total)) for each in weighed)
+    frames = []
+    for each in weighed:
+        limit, log = each.values["v_c_m_per_s"], each.likelihood.total - greatest
+        known = (limit > 0.0) & (log > -DEPTH)
+        classes = np.floor(PROFILE * np.log10(limit[known]))
+        best = pd.Series(log[known]).groupby(classes).max()
+        middle = 10.0 ** ((best.index.to_numpy(float) + 0.5) / PROFILE)
+        frame = partial(series_frame, scenario, each.law, x_unit="m_per_s", y_unit="1")
+        frames.append(frame(middle, best.to_numpy(float)))
+    return pd.concat(frames, ignore_index=True)
 
 
 def weighted(value: FloatArray, weights: FloatArray) -> FloatArray:
@@ -286,7 +327,7 @@ def statement_rows(head: Row, case: Case, weighed: Weighed) -> list[Row]:
         turning = np.broadcast_to(weighed.values.get(TURNING + name, np.zeros(1)), value.shape)
         if value.ndim == 2:
             each = np.full(value.shape, 1.0 / value.shape[1])
-            if statement.quantity in FRICTIONAL and share.shape == value.shape:
+            if statement.quantity in FRICTIONAL:
                 each = share
             elif name in known:  # the open angle or size, by what it says
                 each = scipy.special.softmax(weighed.judged.log(weighed.scenario, name), axis=1)
@@ -319,8 +360,6 @@ def drawn(head: Row, case: Case, weighed: Weighed, params: Params) -> pd.DataFra
     taken = resampled(weighed.weights, params.draws, rng)
     logs = weighed.likelihood.by_basis[taken]
     chance = np.exp(logs - logs.max(axis=1, keepdims=True))
-    if chance.shape[1] != len(law.friction_bases):  # no statement on friction counts
-        chance = np.ones((len(taken), len(law.friction_bases)))
     below = np.cumsum(chance, axis=1)
     basis = np.argmax(below > rng.random((len(taken), 1)) * below[:, -1:], axis=1)
     return pd.DataFrame(
@@ -335,7 +374,7 @@ def drawn(head: Row, case: Case, weighed: Weighed, params: Params) -> pd.DataFra
             "surface": case.surface,
             "diameter_um": case.diameter_um,
             "reference_velocity_m_per_s": case.speed_m_per_s,
-            "friction_basis": np.array(law.friction_bases)[basis],
+            "friction_basis": np.array(case.friction_bases(law))[basis],
             **{
                 name: value[taken]
                 for name, value in weighed.values.items()

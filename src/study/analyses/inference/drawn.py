@@ -10,7 +10,7 @@ import pandas as pd
 from microimpact.model.contact import resized
 from microimpact.model.dynamics.normal import normal_impact
 from study.analyses.inference.case import WORK, Case
-from study.contacts import BAND, posterior_contact, solved_contacts
+from study.contacts import ALL_LAWS, BAND, posterior_contact, solved_contacts
 from study.tables import Tables, series_frame
 
 # A law whose contacts are worth fewer independent ones than this is drawn grey.
@@ -18,6 +18,8 @@ FEW = 50.0
 GREY, PRINTED = "few contacts", "printed"
 # Contacts of a band, at most.
 CONTACTS = 100
+# The likelihood does not fall towards rest if what is likely begins below this part of its end.
+OPEN = 0.1
 INTERVALS = {
     "evidence_limits": ("v_c_m_per_s", "capture velocity", "m_per_s"),
     "evidence_works": (WORK, "work of adhesion", "J_per_m2"),
@@ -53,7 +55,34 @@ def intervals(case: Case, summary: pd.DataFrame) -> Tables:
         for v in printed_limits(case)
     ]
     limits = [tables["evidence_limits"], *printed]
-    return tables | {"evidence_limits": pd.concat(limits, ignore_index=True)}
+    return tables | {
+        "evidence_limits": pd.concat(limits, ignore_index=True),
+        "capture_velocity_summary": overview(case, rows),
+    }
+
+
+def overview(case: Case, summary: pd.DataFrame) -> pd.DataFrame:
+    """Return the capture velocity in a few lines: what is printed, then over all laws by scenario.
+
+    A printed value of another size is at that of the case, by the exponent of the first scenario.
+    Where the likelihood does not fall towards rest, there is an upper bound and no middle.
+    """
+    of_all = summary[(summary["law"] == ALL_LAWS) & (summary["kind"] == "scenario")]
+    rows = of_all[of_all["quantity"] == "v_c_m_per_s"]
+    exponent = float(of_all.loc[of_all["quantity"] == "size_exponent", "median"].iloc[0])
+    frame = partial(series_frame, "all", x_unit="1", y_unit="m_per_s")
+    frames = []
+    for name, statement in case.statements.items():
+        if statement.standing == PRINTED and statement.quantity == "capture velocity in m/s":
+            diameter = statement.median_diameter_um or case.diameter_um
+            low, high = np.array(statement.interval) * (case.diameter_um / diameter) ** exponent
+            frames.append(frame(name, len(frames), 0.5 * (low + high), PRINTED, low, high))
+    for _, row in rows.iterrows():
+        is_bound = row["likely_low"] < OPEN * row["likely_high"]
+        low, high = (0.0, row["likely_high"]) if is_bound else (row["low"], row["high"])
+        middle = high if is_bound else row["median"]
+        frames.append(frame(row["scenario"], len(frames), middle, "calibrated", low, high))
+    return pd.concat(frames, ignore_index=True)
 
 
 def _named(rows: pd.DataFrame) -> tuple[pd.Series, pd.Series]:

@@ -98,6 +98,11 @@ class Statement:
         if self.diameter_um is None and self.quantity != OF_CAPTURE[0]:
             raise ValueError(f"diameter_um must be given for {self.quantity}")
 
+    @property
+    def median_diameter_um(self) -> float | None:
+        """Median of its diameters, None where they are open."""
+        return None if self.diameter_um is None else float(self.diameter_um.quantile(np.array(0.5)))
+
     def impacts(self) -> FloatArray:
         """Diameter (um), normal and tangential speed of its impacts (impacts, nodes, 3)."""
         assert self.diameter_um is not None
@@ -260,9 +265,9 @@ def values_of(
             parts[name] = statement.captured(limits, classes_um)
         elif statement.quantity in OF_CAPTURE:
             parts[name] = limits
-            if statement.diameter_um is not None:
-                diameter = np.asarray(statement.diameter_um.quantile(np.array(0.5)))
-                parts[name] = limits[:, int(np.argmin(np.abs(classes_um - diameter)))]
+            if statement.median_diameter_um is not None:
+                apart = np.abs(classes_um - statement.median_diameter_um)
+                parts[name] = limits[:, int(np.argmin(apart))]
     for name, part in {**parts, "capture": limits}.items():
         values[name] = np.full((len(score), *part.shape[1:]), np.nan)
         values[name][likely] = part

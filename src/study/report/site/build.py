@@ -14,7 +14,7 @@ from typing import Any
 from microimpact.core.files import write_file
 from study.figures.declaration import FORMATS
 from study.judge import words
-from study.judge.counts import revisions
+from study.judge.counts import errors, revisions
 from study.report.site import FOLDERS, PAGES, ledgers
 from study.report.site.exports import claims_json, schema_json
 from study.report.site.figures import Figure, departures, figures, label, studies_behind
@@ -167,6 +167,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
             for name, table in PARTS_OF_CLAIMS.items()
         },
         "words": words,
+        "equation_errors": errors(equations),
         "equation_counts": ledgers.tally(equations, ledgers.EQUATION_VERDICTS),
         "shown": shown,
         "first_claims": FIRST_CLAIMS,
