@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -91,6 +92,28 @@ def points_parts(series: str) -> tuple[str, str]:
     if evidence not in POINTS:
         raise ValueError(f"series {series!r} must begin with {' or '.join(POINTS)} and a colon")
     return evidence, name
+
+
+@dataclass(frozen=True, slots=True)
+class Curves:
+    """The series of the tables that one figure is drawn from."""
+
+    tables: Tables
+
+    def __call__(self, series: str, panel: str = "") -> pd.Series[float]:
+        """Return the ordinates of a series by its abscissae, in their order.
+
+        Raises KeyError if no table has the series, or not in this panel.
+        """
+        for table in self.tables.values():
+            is_there = table["series"] == series
+            if panel:
+                is_there &= table["panel"] == panel
+            if is_there.any():
+                x, y = table.columns[3:5]
+                curve: pd.Series[float] = table[is_there].set_index(x)[y].sort_index()
+                return curve
+        raise KeyError(f"{panel}: {series}")
 
 
 def series_frame(

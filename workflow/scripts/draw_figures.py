@@ -1,5 +1,6 @@
 """Draw the figures of an analysis, each as SVG, PNG, PDF and table of its content."""
 
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -26,18 +27,19 @@ def main(job: Any) -> str:
         figure = FIGURES[name].with_texts(entry)
         try:
             sheet, words = drawn(figure, job)
-            picture = sheet.figure
+            figure, picture = sheet.declared, sheet.figure
         except NotComputedError as why:
             words = f"{NOT_COMPUTED}: {why}"
-            picture = without_data(figure, words)
-        save(picture, *(folder / f"{name}.{kind}" for kind in FORMATS))
+            figure, picture = replace(figure, finding=""), without_data(figure, words)
+        paths = (folder / f"{name}.{kind}" for kind in FORMATS)
+        save(picture, *paths, title=figure.title, description=figure.description)
         write_table(content(picture, figure), folder / f"{name}.csv")
         account.append(f"{name}: {words}\n")
     return "".join(account)
 
 
 def drawn(figure: Figure, job: Any) -> tuple[Sheet, str]:
-    """Return a figure, and a line on what it was drawn from.
+    """Return a figure, its finding checked, and a line on what it was drawn from.
 
     Raises NotComputedError if one of its tables could not be computed.
     """
@@ -46,6 +48,7 @@ def drawn(figure: Figure, job: Any) -> tuple[Sheet, str]:
     if path := job.input.get(f"{figure.name}_digitised"):
         tables = overlaid(tables, figure, path)
         origin = f", points of {path}"
+    figure = figure.checked(tables)
     with context():
         sheet = Sheet(figure, tables, job.params.branch, job.params.pairs)
         figure.draw(sheet)

@@ -10,11 +10,12 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from study.declared import documents
+from study.tables import Curves, Tables
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
 
-Line = Literal["solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot", "loose dashed"]
+Line = Literal["solid", "dashed", "dotted", "dashdot"]
 Mark = Literal["circle", "square", "triangle"]
 
 # Every figure is written in each of these.
@@ -73,11 +74,18 @@ STEEL_LAWS = {
 }
 
 Draw = Callable[["Sheet"], None]
+# What a finding states of the curves of its figure, by name; None if they do not bear it.
+Stated = Mapping[str, float] | None
 # Fields whose texts take parameters of the analysis.
 TEXTS = ("title", "finding", "caption", "method", "panels", "tables", "evidence_labels")
 
 # Every figure by its name, as the modules that draw them are imported.
 FIGURES: dict[str, Figure] = {}
+
+
+def stated(bears: Any, **numbers: float) -> Stated:
+    """Return the numbers that a finding states if the data bear it, else None."""
+    return numbers if bears else None
 
 
 def _no_drawing(sheet: Sheet) -> None:
@@ -93,8 +101,9 @@ class Figure:
     there; it is empty for a figure of our own. `equations` are those of the article that the figure
     shows or rests on, by their numbers in the ledger, separated by commas. `tables` are those of
     the analysis that belong beside the figure, each with a sentence on what it holds. `finding` is
-    the message, in one sentence, `caption` says what is drawn, `method` how it was computed. The
-    finding, and `as_shipped` and `contact` (the origin of the single contacts) at the end of the
+    the message, in one sentence; `holds` checks it on the curves of the figure and returns the
+    numbers for its ``{places}``, see `checked`. `caption` says what is drawn, `method` how it was
+    computed. `as_shipped` and `contact` (the origin of the single contacts), at the end of the
     method, hold for the shipped inputs alone. `panels` have a title each, by the name of their
     data, and stand in rows of `columns`, all side by side if not given; `views` show the data of
     another panel, enlarged. `evidence_labels` replace words of the key of evidence, as of what
@@ -110,6 +119,7 @@ class Figure:
     equations: str = ""
     article: str = ""
     finding: str = ""
+    holds: Callable[[Curves], Stated] | None = None
     method: str = ""
     as_shipped: str = ""
     contact: str = ""
@@ -137,6 +147,11 @@ class Figure:
         """Name of the analysis: the folder of the module that draws the figure."""
         return self.draw.__module__.split(".")[-2]
 
+    @property
+    def description(self) -> str:
+        """Finding and caption: what the picture says to somebody who cannot see it."""
+        return f"{self.finding} {self.caption}".strip()
+
     def filled(
         self, values: Mapping[str, Any], pairs: documents.Pairs, *, changed: bool = False
     ) -> Figure:
@@ -149,8 +164,8 @@ class Figure:
         pairs
             As in `documents.filled`.
         changed
-            Whether inputs that it rests on are not as shipped: ``finding``, ``as_shipped`` and
-            ``contact`` are then left out.
+            Whether inputs that it rests on are not as shipped: ``as_shipped`` and ``contact``
+            are then left out.
 
         Raises
         ------
@@ -160,13 +175,24 @@ class Figure:
         shipped = [] if changed else [self.as_shipped, self.contact]
         held = replace(
             self,
-            finding="" if changed else self.finding,
             method=" ".join(filter(None, [self.method, *shipped])),
             as_shipped="",
             contact="",
         )
         texts = {key: getattr(held, key) for key in TEXTS}
         return replace(held, **documents.filled(texts, values, self.name, pairs))
+
+    def checked(self, tables: Tables) -> Figure:
+        """Return the figure with the numbers of its data in the finding, or without a finding.
+
+        The finding goes if nothing checks it, if the data do not bear it, or if they lack a curve
+        or a point that it is about.
+        """
+        try:
+            numbers = self.holds(Curves(tables)) if self.holds else None
+        except KeyError:
+            numbers = None
+        return replace(self, finding="" if numbers is None else self.finding.format(**numbers))
 
     def with_texts(self, texts: Mapping[str, Any]) -> Figure:
         """Return the figure with other texts, as `entry` has them."""

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
+from xml.sax.saxutils import escape
 
 import numpy as np
 import pandas as pd
@@ -31,16 +32,6 @@ from study.figures.declaration import Figure as Words
 from study.figures.declaration import Series
 from study.tables import POINTS, Tables, points_parts
 
-# Kinds of lines by name: as many as a panel has curves.
-LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
-    "solid": "solid",
-    "dashed": "dashed",
-    "dotted": "dotted",
-    "dashdot": "dashdot",
-    "long dashed": (0, (6.0, 1.5)),
-    "dashdotdot": (0, (4.5, 1.2, 1.0, 1.2, 1.0, 1.2)),
-    "loose dashed": (0, (3.0, 3.0)),
-}
 TINT: dict[str, Any] = {"alpha": 0.25}
 GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
 HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
@@ -235,7 +226,6 @@ class Sheet:
         enlarged = fixed and name in self.declared.views
         points, rows = rows[is_point], rows[~is_point]
         self.overlay(ax, points, series, list(all_points), rows, enlarged=enlarged)
-        calibrated = " (calibrated)" if {"computed", "calibrated"} <= set(table["evidence"]) else ""
         if rows.empty:
             raise ValueError(f"figure data: no rows for panel {panel!r}")
         _grow(ax, rows, upright=not fixed, along=not enlarged)
@@ -248,9 +238,7 @@ class Sheet:
             spec = series.get(each, Series(self.fill(each)))
             colour = f"C{number if spec.colour is None else spec.colour}"
             curve = rows[rows["series"] == each]
-            is_fitted = "calibrated" in set(curve["evidence"]) and not spec.band
-            words = spec.label + (calibrated if is_fitted else "")
-            label: str | None = words if spec.beside is None else f"_{words}"
+            label: str | None = spec.label if spec.beside is None else f"_{spec.label}"
             for evidence, part in curve.groupby("evidence", sort=False):
                 if joined and evidence == "virtual experiment":
                     line = "dashed" if spec.open else "solid"
@@ -258,7 +246,7 @@ class Sheet:
                 _draw_series(ax, part, (x, y), str(evidence), spec, colour, label)
                 label = None  # one entry per series; the key below the figure names the evidence
             if spec.beside is not None:
-                _name_beside(ax, curve, spec, words, colour)
+                _name_beside(ax, curve, spec, colour)
         if fixed:
             _write_above(ax, rows[rows["evidence"] == "virtual experiment"])
         self._drawn.append(ax)
@@ -363,7 +351,7 @@ class Sheet:
     ) -> None:
         """Name the evidence of marks and lines below the figure, then further entries.
 
-        Entries of series of points name their evidence themselves, each name and colour once.
+        Where all marks are of one class there is nothing to tell apart, and no key. Entries of series of points name their evidence themselves, each name and colour once.
         """
         table = self._without_taken(pd.concat(self.tables.values(), ignore_index=True))
         known = set(table["evidence"])
@@ -375,6 +363,8 @@ class Sheet:
             if name in known
         ]
         entries = [*self._points, *entries]
+        if len(handles) < 2 and not entries:
+            return
         handles += {(str(e.get_label()), str(e.get_color())): e for e in entries}.values()
         columns = _columns(self.figure, [str(handle.get_label()) for handle in handles])
         self.figure.legend(handles=handles, loc=loc, ncols=columns)
@@ -418,14 +408,14 @@ def _apart(rows: pd.DataFrame, names: Sequence[str], factor: float) -> pd.DataFr
     return rows.assign(**{x: moved}).sort_values(x, kind="stable")
 
 
-def _name_beside(ax: Axes, rows: pd.DataFrame, spec: Series, words: str, colour: str) -> None:
+def _name_beside(ax: Axes, rows: pd.DataFrame, spec: Series, colour: str) -> None:
     """Write the name of a curve beside it, at the declared abscissa or the end next to it."""
     x, y = rows.iloc[:, 3:5].dropna().sort_values(rows.columns[3]).to_numpy(float).T
     at = float(np.clip(spec.beside or 0.0, x[0], x[-1]))
     shift, ha, va = SIDES[spec.side]
     look: dict[str, Any] = {"fontsize": "small", "color": colour, "ha": ha, "va": va}
     anchor = at, float(np.interp(at, x, y))
-    ax.annotate(words, anchor, shift, textcoords="offset points", **look)
+    ax.annotate(spec.label, anchor, shift, textcoords="offset points", **look)
 
 
 def _is_named(series: str, name: str) -> bool:
@@ -488,7 +478,7 @@ def _draw_series(
     look = {"zorder": 3, **(mark or EVIDENCE[evidence]), "color": colour}
     is_line = look["linestyle"] != "none"
     if is_line:
-        look["linestyle"] = LINES[spec.line]
+        look["linestyle"] = spec.line
     elif spec.open and evidence not in POINTS:
         look["markerfacecolor"] = "white"
     elif evidence == "virtual experiment":
@@ -535,7 +525,7 @@ def _draw_band(
         low, high = bounds
         ax.fill_between(x, low, high, linewidth=0, label=label, **look, **fill)
     for end, words in zip(bounds, (None if is_filled else label, None), strict=True):
-        ax.plot(x, end, linewidth=0.6, linestyle=LINES[spec.line], label=words, **look)
+        ax.plot(x, end, linewidth=0.6, linestyle=spec.line, label=words, **look)
 
 
 def _write_above(ax: Axes, rows: pd.DataFrame) -> None:
@@ -602,10 +592,11 @@ def _columns(figure: Figure, labels: Iterable[str]) -> int:
     return 1
 
 
-def save(figure: Figure, *paths: Path | str) -> None:
+def save(figure: Figure, *paths: Path | str, title: str = "", description: str = "") -> None:
     """Save a figure in the format of each suffix; equal figures give equal bytes.
 
-    Each file is written in one step; neither dates nor program versions go into it. The layout is
+    Its title goes into each file, the description into an SVG, for those who search or cannot see
+    it. Each file is written in one step; neither dates nor program versions go into it. The layout is
     made once, with the text as wide as in an SVG, so that all files agree.
     """
     with context():
@@ -615,12 +606,17 @@ def save(figure: Figure, *paths: Path | str) -> None:
         with rc_context({"figure.constrained_layout.use": False}):
             figure.set_layout_engine(None)
             for path in map(Path, paths):
-                _save(figure, path)
+                _save(figure, path, title, description)
 
 
-def _save(figure: Figure, path: Path) -> None:
+def _save(figure: Figure, path: Path, title: str, description: str) -> None:
     buffer = io.BytesIO()
     kind = path.suffix.removeprefix(".")
     options: dict[str, Any] = {"pil_kwargs": PACKED} if kind == "png" else {}
-    figure.savefig(buffer, format=kind, metadata=dict.fromkeys(UNDATED[kind]), **options)
-    write_file(path, buffer.getvalue())
+    metadata = dict.fromkeys(UNDATED[kind]) | ({"Title": title} if title else {})
+    figure.savefig(buffer, format=kind, metadata=metadata, **options)
+    content = buffer.getvalue()
+    if kind == "svg" and description:
+        words = f"</title>\n <desc>{escape(description)}</desc>"
+        content = content.replace(b"</title>", words.encode(), 1)
+    write_file(path, content)

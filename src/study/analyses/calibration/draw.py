@@ -11,10 +11,20 @@ from study.figures.declaration import (
     WORK_OF_ADHESION,
     Figure,
     Series,
+    stated,
 )
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
+
+
+def two_numbers_leave_a_range(y: Curves) -> Stated:
+    """For every exponent, several works of adhesion meet both numbers."""
+    works = [y(f"n = {n}").index for n in ("0", "0.5", "1")]
+    least, greatest = min(w.min() for w in works), max(w.max() for w in works)
+    return stated(all(w.nunique() > 1 for w in works), least=least, greatest=greatest)
 
 
 @Figure(
@@ -31,9 +41,10 @@ if TYPE_CHECKING:
     data=("ridge", "ridge_curves"),
     equations="25",
     finding="""
-        Two printed numbers do not fix a contact; for every n there is a range of works of
-        adhesion that meets both.
+        Two printed numbers do not fix a contact: works of adhesion from {least:g} to
+        {greatest:g} J/m² meet both, each with a rate exponent of its own.
     """,
+    holds=two_numbers_leave_a_range,
     method="""
         n is the rate exponent of the adhesion damping, whose coefficient falls with the impact
         speed as v^-n. The plateau is above [[two_stage.flat_from_m_per_s:.2f]] m/s. Curves

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from study.figures.declaration import ANGLE, Figure
+from study.figures.declaration import ANGLE, Figure, stated
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
 
@@ -26,6 +28,16 @@ AREA = 9.0
 TICKS = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
 
 
+def all_fail_at_shallow_angles(y: Curves) -> Stated:
+    """What could not be completed is at lower normal speeds than most experiments."""
+    (table,) = y.tables.values()
+    angle, speed = table.iloc[:, 3], table.iloc[:, 4]
+    normal, is_few = speed * np.sin(np.radians(angle)), table["panel"] == FEW
+    few, steepest = int(is_few.sum()), angle[is_few].max()
+    slow = normal[is_few].max() < normal[~is_few].quantile(0.25)
+    return stated(slow, few=few, all=len(table) - few, steepest=steepest)
+
+
 @Figure(
     "campaign_map",
     "All experiments of the campaign",
@@ -38,9 +50,10 @@ TICKS = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
     {"all": ""},
     data=("campaign_map",),
     finding="""
-        Nearly all experiments that cannot be completed are at shallow angles and low speeds,
-        where the spheres are captured.
+        The {few} experiments of {all} that cannot be completed are at {steepest:.0f}° or
+        less, where the normal velocity is low and spheres are captured.
     """,
+    holds=all_fail_at_shallow_angles,
     method="""
         The article counts its experiments and their levels (Section 2) and does not list them;
         this selection is declared. Experiments fail because nearly all spheres are captured or

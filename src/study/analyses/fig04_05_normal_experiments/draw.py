@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from study.figures.declaration import (
     ENERGY_LOSS,
     NORMAL_SPEED,
@@ -11,9 +13,12 @@ from study.figures.declaration import (
     TWO_STAGES,
     Figure,
     Series,
+    stated,
 )
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
 
 # The marks of the analyser, then the contact without it: of all spheres, and of the mean one.
@@ -29,6 +34,16 @@ CLASSES = {
         "SST125, all that rebound, [[other_case]]", 1, line="dashdotdot"
     ),
 }
+
+
+def larger_keep_theirs(y: Curves) -> Stated:
+    """The larger rebound from lower speeds; the slowest marks lie above their curves."""
+    small, large = y("SST65 sieve"), y("SST125 sieve")
+    overstated = [
+        y(name).iloc[0] > np.interp(y(name).index[0], curve.index, curve)
+        for name, curve in (("SST65", small), ("SST125", large))
+    ]
+    return stated(large.index[0] < small.index[0] and all(overstated))
 
 
 @Figure(
@@ -52,6 +67,7 @@ CLASSES = {
         Larger spheres keep their restitution to lower speeds, and a probe above the surface
         overstates the slowest.
     """,
+    holds=larger_keep_theirs,
     method="""
         Particles are dropped, recorded by a virtual phase Doppler particle analyser
         [[instrument.probe_height_mm:g]] mm above the surface, paired, corrected, and averaged
@@ -83,6 +99,13 @@ def draw_fig04(sheet: Sheet) -> None:
     sheet.keys()
 
 
+def smaller_lose_more(y: Curves) -> Stated:
+    """The curve of the smaller class lies above that of the larger."""
+    small, large = y("SST65 sieve"), y("SST125 sieve")
+    more = small > np.interp(small.index, large.index, large)
+    return stated(more.all() and small.max() > 0.9, most=100.0 * small.max())
+
+
 @Figure(
     "fig05",
     "Energy loss of sieve classes, as a PDPA would measure it",
@@ -97,9 +120,10 @@ def draw_fig04(sheet: Sheet) -> None:
     equations="3, 2.1 incident, 2.1 rebound, 2.3.1 normal loss, 25",
     article="Measured energy loss of the same impacts as in Fig. 4.",
     finding="""
-        Near capture almost all of the energy is lost, and the smaller spheres lose more at
-        every speed.
+        Near capture {most:.0f} % of the energy is lost, and the smaller spheres lose more
+        at every speed.
     """,
+    holds=smaller_lose_more,
     as_shipped="""
         Filled: SST65, the smaller spheres; open: SST125. Grey: the speeds at which the article
         saw particles pile up.

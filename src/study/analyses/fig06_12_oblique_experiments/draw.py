@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from study.figures.declaration import (
     ENERGY_LOSS,
     IMPULSE_RATIO,
@@ -13,9 +15,12 @@ from study.figures.declaration import (
     TWO_STAGES,
     Figure,
     Series,
+    stated,
 )
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
 
 COEFFICIENTS = {"restitution": "", "impulse_ratio": "", "energy_loss": ""}
@@ -122,6 +127,13 @@ def draw_classes(sheet: Sheet, words: str, ends: tuple[float, float]) -> None:
     sheet.keys()
 
 
+def roughness_alone_raises(y: Curves) -> Stated:
+    """Both faces have one smooth curve, and the marks of the back rise above one."""
+    front, back = (y(f"silicon {face}, smooth", "restitution") for face in ("front", "back"))
+    most = y("silicon back", "restitution").max()
+    return stated((front - back).abs().max() < 0.01 and most > 1.0, back=most)
+
+
 @Figure(
     "fig06",
     "Front and back of [[series.silicon front.case.surface]] at [[series.silicon front.speed_m_per_s:.2f]] m/s, as a PTIS would measure it",
@@ -141,9 +153,10 @@ def draw_classes(sheet: Sheet, words: str, ends: tuple[float, float]) -> None:
         friction without initial spin.
     """,
     finding="""
-        A rough back face raises the measured restitution at shallow angles, although no contact
-        has become more elastic.
+        A rough back face raises the measured restitution at shallow angles to {back:.1f},
+        although its contact is that of the front.
     """,
+    holds=roughness_alone_raises,
     method=IMAGED,
     as_shipped="""
         The front of the wafer is polished, the back lapped, with assumed slopes of
@@ -167,6 +180,13 @@ def draw_fig06(sheet: Sheet) -> None:
     draw_coefficients(sheet, faces("silicon") | printed)
 
 
+def faces_differ(y: Curves) -> Stated:
+    """The smooth curves differ at normal incidence, and the rough marks rise at shallow angles."""
+    front, back = (y(f"mirror {face}, smooth", "restitution").iloc[-1] for face in ("front", "back"))
+    is_rough = y("mirror back", "restitution").iloc[0] > 1.0
+    return stated(front - back > 0.01 and is_rough, front=front, back=back)
+
+
 @Figure(
     "fig07",
     "Front and back of [[series.mirror front.case.surface]] at [[series.mirror front.speed_m_per_s:.2f]] m/s, as a PTIS would measure it",
@@ -185,8 +205,10 @@ def draw_fig06(sheet: Sheet) -> None:
         1.66 m/s.
     """,
     finding="""
-        Only the roughness of the back, an assumed one, separates the two faces of the mirror.
+        Both differences between the faces are inputs: the restitution, {front:.2f} of the
+        front and {back:.2f} of the back at steep angles, and the roughness of the back.
     """,
+    holds=faces_differ,
     method=IMAGED,
     as_shipped="""
         The slopes of the back, [[series.mirror back.surface_slope:.2f]] rad per axis, are
@@ -200,6 +222,13 @@ def draw_fig07(sheet: Sheet) -> None:
     """Both faces of the mirror."""
     printed = {"printed, front": Series("front", 0, beside=65)}
     draw_coefficients(sheet, faces("mirror") | printed)
+
+
+def restitution_falls_with_speed(y: Curves) -> Stated:
+    """The slowest class rebounds clearly less at the steepest angle."""
+    fast, slow = y("1.60 m/s"), y("0.45 m/s")
+    angle = slow.index[-1]
+    return stated(fast[angle] - slow[angle] > 0.05, angle=angle, fast=fast[angle], slow=slow.iloc[-1])
 
 
 @Figure(
@@ -219,9 +248,10 @@ def draw_fig07(sheet: Sheet) -> None:
         1.60, 1.05 and 0.45 m/s.
     """,
     finding="""
-        In the slowest class the camera misses most rebounds at steep angles, so the measured
-        restitution is slightly too high.
+        At {angle:.0f}° restitution falls from {fast:.2f} in the fastest class to {slow:.2f}
+        in the slowest, as adhesion takes a larger share.
     """,
+    holds=restitution_falls_with_speed,
     method=SPINNING,
     as_shipped="""
         Each class of speed is named by the middle of the range that is printed for it. In the
@@ -236,6 +266,13 @@ def draw_fig07(sheet: Sheet) -> None:
 def draw_fig08(sheet: Sheet) -> None:
     """Restitution of three classes, and of the slowest one spun."""
     draw_classes(sheet, RESTITUTION, (0.0, 1.0))
+
+
+def spin_lowers_adhesion_raises(y: Curves) -> Stated:
+    """The spun marks fall with the angle to below zero; the slow ones begin above the fast."""
+    spun, slow, fast = y("0.45 m/s, spun"), y("0.45 m/s"), y("1.60 m/s")
+    angle = slow.index[0]
+    return stated(spun.idxmin() == spun.index[-1] and spun.min() < 0.0 and slow[angle] > fast[angle])
 
 
 @Figure(
@@ -255,8 +292,10 @@ def draw_fig08(sheet: Sheet) -> None:
         friction from the rigid body model.
     """,
     finding="""
-        A mean spin brings the impulse ratio to zero and below; adhesion at low speed raises it.
+        A mean spin brings the impulse ratio to zero and below, but most at steep angles;
+        adhesion at low speed raises it.
     """,
+    holds=spin_lowers_adhesion_raises,
     method=SPINNING,
     as_shipped="""
         Each class of speed is named by the middle of the range that is printed for it.
@@ -269,6 +308,13 @@ def draw_fig08(sheet: Sheet) -> None:
 def draw_fig09(sheet: Sheet) -> None:
     """Impulse ratio of three classes, and of the slowest one spun."""
     draw_classes(sheet, IMPULSE_RATIO, (-0.2, 0.3))
+
+
+def slow_lose_more(y: Curves) -> Stated:
+    """The slowest class loses most at every angle, and less with a mean spin."""
+    fast, slow, spun = y("1.60 m/s"), y("0.45 m/s"), y("0.45 m/s, spun")
+    more = (slow > fast[slow.index]).all() and (spun < slow).all()
+    return stated(more, slow=100.0 * slow.max(), fast=100.0 * fast.max())
 
 
 @Figure(
@@ -284,9 +330,10 @@ def draw_fig09(sheet: Sheet) -> None:
     equations="3, 14, 25, 27",
     article="Measured energy loss of the same impacts as in Fig. 8.",
     finding="""
-        The slowest spheres lose a clearly larger share of their energy; a mean spin lowers the
-        loss.
+        The slowest spheres lose up to {slow:.0f} % of their energy, the fastest {fast:.0f}
+        %; a mean spin lowers the loss.
     """,
+    holds=slow_lose_more,
     method=SPINNING,
     contact=TWO_STAGES,
     evidence_labels=NO_SPIN,
@@ -295,6 +342,16 @@ def draw_fig09(sheet: Sheet) -> None:
 def draw_fig10(sheet: Sheet) -> None:
     """Energy loss of three classes, and of the slowest one spun."""
     draw_classes(sheet, ENERGY_LOSS, (0.0, 1.0))
+
+
+def spores_rise_and_do_not_fall(y: Curves) -> Stated:
+    """Only spores exceed one; from one printed angle to the other they fall by less than half."""
+    spore, steel = (y(name, "restitution") for name in ("spore on silicon", "silicon front"))
+    high, low = (y(f"printed, spore, {angle} deg") for angle in (48, 38))
+    ends = high.index[0], low.index[0]
+    upper, lower = np.interp(ends, spore.index, spore)
+    is_flat = upper - lower < 0.5 * (high.iloc[0] - low.iloc[0])
+    return stated(spore.max() > 1.0 > steel.max() and is_flat, high=ends[0], low=ends[1])
 
 
 @Figure(
@@ -315,9 +372,11 @@ def draw_fig10(sheet: Sheet) -> None:
         SST76 on silicon, against the angle.
     """,
     finding="""
-        Rough spores give the scattered, high restitutions that smooth steel on the same silicon
-        does not.
+        Rough [[series.spore on silicon.case.particle]] reaches a restitution above one at
+        shallow angles, [[series.steel on silicon.case.particle]] does not; the
+        fall that is printed between {high:.0f}° and {low:.0f}° is not obtained.
     """,
+    holds=spores_rise_and_do_not_fall,
     method=IMAGED,
     as_shipped="""
         Lycopodium spores are not spheres; their slopes,
@@ -342,6 +401,15 @@ def draw_fig11(sheet: Sheet) -> None:
     draw_coefficients(sheet, particles(spore, "steel on silicon") | more)
 
 
+def both_seem_faster(y: Curves) -> Stated:
+    """Restitution of both exceeds one at the shallowest angle, and both lose energy at all."""
+    particles = "steel on Formica", "spore on Formica"
+    exceeds = all(y(name, "restitution").iloc[0] > 1.0 for name in particles)
+    losses = [y(name, "energy_loss") for name in particles]
+    least, most = min(map(min, losses)), max(map(max, losses))
+    return stated(exceeds and least > 0.0, least=100.0 * least, most=100.0 * most)
+
+
 @Figure(
     "fig12",
     "Rebounds of [[series.spore on Formica.case.pair]] and [[series.steel on Formica.case.pair]], as a PTIS would measure them",
@@ -357,9 +425,10 @@ def draw_fig11(sheet: Sheet) -> None:
     equations="1, 2, 3, 12, 13, 25, 27, 35, 36",
     article="The same for Lycopodium spores and steel SST76 on Formica.",
     finding="""
-        On a rough plastic both particles appear to rebound faster than they came at shallow
-        angles.
+        At shallow angles both particles seem to leave with a larger normal velocity than
+        they arrive with, although they lose {least:.0f} to {most:.0f} % of their energy.
     """,
+    holds=both_seem_faster,
     method=IMAGED,
     as_shipped="""
         Lycopodium spores are not spheres; all slopes are assumed:

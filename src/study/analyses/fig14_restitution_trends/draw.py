@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import NORMAL_SPEED, Figure, Series
+from study.figures.declaration import NORMAL_SPEED, Figure, Series, stated
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
+
+
+def slower_lose_more(y: Curves) -> Stated:
+    """The coefficient of adhesion falls with the speed wherever spheres rebound."""
+    share = y("adhesion")[y("overall restitution") > 0.0]
+    return stated((share.diff().iloc[1:] < 0.0).all())
 
 
 @Figure(
@@ -26,6 +34,7 @@ if TYPE_CHECKING:
         normal speed.
     """,
     finding="The slower the impact, the larger the part of the rebound that adhesion takes.",
+    holds=slower_lose_more,
     width="single",
     height_mm=65.0,
 )

@@ -4,10 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, Figure, Series
+from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, Figure, Series, stated
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
+
+
+def slides_then_rolls(y: Curves) -> Stated:
+    """Without spin the ratio is f, then falls to zero; with spin it does not end at zero."""
+    slides = all(y(f, "friction").iloc[0] == float(f) for f in ("0.05", "0.1", "0.15", "0.2"))
+    ends = {spin: abs(y(spin, "spin").iloc[-1]) for spin in ("-0.4", "-0.2", "0", "0.2", "0.4")}
+    return stated(slides and ends.pop("0") < 1e-9 and min(ends.values()) > 0.01)
 
 
 @Figure(
@@ -30,9 +39,10 @@ if TYPE_CHECKING:
         angle of incidence.
     """,
     finding="""
-        A sphere without spin slides at shallow angles and rolls at steep ones; with spin the
-        friction impulse vanishes at another angle.
+        A sphere without spin slides at shallow angles and rolls at steep ones; spin shifts
+        the rolling line, so that friction does not vanish at 90°.
     """,
+    holds=slides_then_rolls,
     height_mm=74.0,
 )
 def draw_fig17(sheet: Sheet) -> None:

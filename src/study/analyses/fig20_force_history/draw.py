@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import Figure, Series
+from study.figures.declaration import Figure, Series, stated
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
+
+
+def attracts_at_both_ends(y: Curves) -> Stated:
+    """The net force is negative before and after the peak; damping acts after it alone."""
+    net, damping = y("total"), y("adhesion damping")
+    peak = y("hertz").idxmax()
+    attracts = net[:peak].min() < 0.0 and net[peak:].min() < 0.0
+    return stated(attracts and damping[:peak].abs().max() < 0.01 * damping.abs().max())
 
 
 @Figure(
@@ -27,7 +37,11 @@ if TYPE_CHECKING:
         The simulated normal force and its terms against time, for ammonium fluorescein of 4.9
         µm on molybdenum at 5.2 m/s with a ring force of 8.90 N/m.
     """,
-    finding="Adhesion attracts at both ends of the contact, and dissipates at the second.",
+    finding="""
+        The net force is attractive at both ends of the contact; adhesion dissipates only
+        during the rebound.
+    """,
+    holds=attracts_at_both_ends,
     method="Contact [[case]].",
     as_shipped="""
         The adhesion damping is calibrated to the printed ratio of dissipative to total adhesion

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-from study.figures.declaration import TWO_STAGES, Figure, Series
+import numpy as np
+
+from study.figures.declaration import TWO_STAGES, Figure, Series, stated
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     import pandas as pd
     from matplotlib.axes import Axes
 
@@ -39,6 +44,21 @@ LABEL_SIZE = 7.5
 LABEL_GAP = 4.5
 
 
+def _effect(y: Curves, response: str, name: str) -> float:
+    """Return an effect in % of the mean; interactions may stand for an alias as well."""
+    return float(y(f"{response}: {name}", "normal").index[0])
+
+
+def nearly_a_power_law(y: Curves) -> Stated:
+    """C and D lead; interactions are small for the logarithm."""
+    size = {name: abs(_effect(y, "v_c", name)) for name in FACTORS}
+    leading = sorted(size, key=size.__getitem__)[-2:]
+    pairs = ["".join(pair) for pair in combinations(FACTORS, 2)]
+    largest = max(abs(_effect(y, "ln v_c", pair)) for pair in pairs)
+    share = largest / abs(_effect(y, "ln v_c", "C"))
+    return stated(leading == ["D", "C"] and share < 0.2, share=100.0 * share)
+
+
 @Figure(
     "fig24",
     "Effects of five factors on the capture velocity, realistic levels",
@@ -57,8 +77,10 @@ LABEL_GAP = 4.5
     """,
     finding="""
         Radius and the damping of adhesion have the largest effects; the capture velocity is
-        nearly a power law of all factors.
+        nearly a power law: no interaction of its logarithm exceeds {share:.0f} % of the
+        effect of the radius.
     """,
+    holds=nearly_a_power_law,
     method="""
         Fraction [[generator]] of a two-level design about [[drawn_case]]. Labelled in (a) are
         the factors, the interactions as large as one of A to D, and all beyond Lenth's margin;
@@ -90,6 +112,13 @@ def draw_fig24(sheet: Sheet) -> None:
     _draw_effects(sheet, (-150.0, 150.0), (-15.0, 150.0))
 
 
+def only_the_ratio_acts(y: Curves) -> Stated:
+    """Effects of B and C, and of their interactions with another factor, are opposite."""
+    effects = [[_effect(y, "v_c", name) for name in names] for names in (("B", "BD"), ("C", "CD"))]
+    opposite = np.allclose(effects[0], np.negative(effects[1]), rtol=0.01)
+    return stated(opposite, effect=effects[0][0], other=effects[1][0])
+
+
 @Figure(
     "fig25",
     "Effects of five factors on the capture velocity, uniform levels",
@@ -103,8 +132,10 @@ def draw_fig24(sheet: Sheet) -> None:
     equations="23, 24, 25, 34",
     article="The same with an equal variation of five percent of every factor.",
     finding="""
-        With equal relative levels, work of adhesion and radius act through their ratio alone.
+        With equal relative levels, work of adhesion and radius act through their ratio
+        alone: their effects are {effect:+.1f} and {other:+.1f} %.
     """,
+    holds=only_the_ratio_acts,
     method="Levels are in the table doe_levels.",
     contact=TWO_STAGES,
     height_mm=98.0,

@@ -4,10 +4,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import ANGLE, OVER_ANGLE, TWO_STAGES, Figure, Series
+from study.figures.declaration import ANGLE, OVER_ANGLE, TWO_STAGES, Figure, Series, stated
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
+
+
+def spin_and_slopes_alone_do(y: Curves) -> Stated:
+    """The ratio reaches zero with a mean spin alone, restitution one with slopes alone."""
+    others = [y(f"mean 0, sd {sd}", "spin") for sd in ("0", "0.25", "0.5", "1")]
+    others += [y(f"{cause}, {speed}") for cause in ("adhesion", "slopes") for speed in ("fast", "slow")]
+    spun = min(y(f"mean {mean}, sd 0.1", "spin").min() for mean in ("0.25", "0.5", "0.9"))
+    smooth = max(y(cause, "spore").max() for cause in ("none", "off centre, 0.2"))
+    is_spin = min(map(min, others)) > 0.0 > spun
+    return stated(is_spin and y("slopes", "spore").max() > 1.0 > smooth)
 
 
 @Figure(
@@ -32,6 +44,7 @@ if TYPE_CHECKING:
         Of the proposed mechanisms, only a mean spin brings the impulse ratio to zero, and only
         slopes bring restitution above one.
     """,
+    holds=spin_and_slopes_alone_do,
     method="In (c) error bars are of [[events]] events. (d) shows two speeds.",
     as_shipped="""
         In (a), with mean zero the mean ratio cannot fall to zero; with a mean spin it is lowest

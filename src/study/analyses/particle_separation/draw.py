@@ -4,10 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import Figure, Series
+import numpy as np
+
+from study.figures.declaration import Figure, Series, stated
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
+
+
+def adhesion_falls_below_patches(y: Curves) -> Stated:
+    """Adhesion, falling, crosses the attraction of patches within the weights drawn."""
+    excess = np.log(y("adhesion") / y("charged patches"))
+    crosses = excess.iloc[0] > 0.0 > excess.iloc[-1] and excess.is_monotonic_decreasing
+    return stated(crosses, crossing=float(np.interp(0.0, -excess, excess.index)))
 
 
 @Figure(
@@ -22,9 +33,10 @@ if TYPE_CHECKING:
     {"adhesion": "adhesion", "charge": "attraction of charges"},
     data=("separation",),
     finding="""
-        About 2 % of nanometre silica bring the adhesion of a toner particle below the
-        attraction of charged patches.
+        From {crossing:.1f} % of nanometre silica on, the adhesion of a particle is less
+        than the attraction of charged patches on it.
     """,
+    holds=adhesion_falls_below_patches,
     method="""
         Beyond the article: the contribution that the same issue of the journal opens with. (a)
         shows the bare contact and the spherules that carry the rest, with the silica side by

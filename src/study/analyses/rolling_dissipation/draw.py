@@ -4,10 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, Series
+from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, Series, stated
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
+
+
+def rolling_is_negligible(y: Curves) -> Stated:
+    """Both estimates of an impact stay below the limit, the bound above."""
+    of = {
+        panel: [y(f"steel-silicon, n = {n}, {v} m/s", panel) for n in (0, 1) for v in ("0.5", "1.66", "5")]
+        for panel in ("bound", "impact", "damping")
+    }
+    limit = y("negligible", "bound").iloc[0]
+    most = max(curve.max() for curve in (*of["impact"], *of["damping"]))
+    return stated(most < limit < min(map(min, of["bound"])), most=100.0 * most)
 
 
 @Figure(
@@ -27,9 +40,10 @@ if TYPE_CHECKING:
     data=("rolling",),
     equations="25, 27, 29",
     finding="""
-        Within one impact rolling resistance is negligible against friction; only a bound by
-        statics makes it matter.
+        Within one impact rolling resistance is below {most:.1f} % of friction; only a bound
+        by statics makes it matter.
     """,
+    holds=rolling_is_negligible,
     method="""
         (a) All pressure at the leading edge of the contact, all adhesion on its trailing half.
         (b) Hysteresis of the whole loss of the impact and of the whole adhesion. (c) At each

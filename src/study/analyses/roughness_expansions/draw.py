@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from study.figures.declaration import OVER_ANGLE, Figure, Series
+from study.figures.declaration import OVER_ANGLE, Figure, Series, stated
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
 
 FORMS = {
@@ -21,6 +23,14 @@ FORMS = {
 SLOPE = r"Slope $\phi$ (°)"
 # Bars of the ranges of agreement: words, height as a share of the panel, colour.
 BARS = {"corrected": ("corrected", 0.07, 0), "printed": ("as printed", 0.03, 1)}
+
+
+def expansion_holds_on_gentle_slopes(y: Curves) -> Stated:
+    """The range of agreement, to either side, is wider with the corrected signs."""
+    printed, corrected = (
+        abs(y(f"range {form}", "slope restitution").index).min() for form in ("printed", "corrected")
+    )
+    return stated(printed < corrected, printed=printed, corrected=corrected)
 
 
 @Figure(
@@ -44,9 +54,11 @@ BARS = {"corrected": ("corrected", 0.07, 0), "printed": ("as printed", 0.03, 1)}
     data=("roughness",),
     equations="35, 36, 37, 38, 41, 4.1.2 restitution",
     finding="""
-        The article's expansions hold on gentle slopes only, and Eqs. 35 and 41 have a wrong
-        sign as printed.
+        At [[drawn_angle_deg:.0f]]° the article's expansion of the restitution holds on
+        slopes of up to {printed:.1f}° as printed, and up to {corrected:.1f}° with its signs
+        corrected.
     """,
+    holds=expansion_holds_on_gentle_slopes,
     method="""
         e = [[restitution:.2f]] and f = [[friction:.2f]] about the local normal; Eqs. 37, 38, 41
         and e - 9 phi^2/7. With its printed sign Eq. 35 never gives e_m above 1 on a slope that

@@ -4,9 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import CAPTURE_VELOCITY, STEEL_LAWS, TWO_STAGES, Figure, Line, Series
+import pandas as pd
+
+from study.figures.declaration import (
+    CAPTURE_VELOCITY,
+    STEEL_LAWS,
+    TWO_STAGES,
+    Figure,
+    Line,
+    Series,
+    stated,
+)
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     from study.figures.style import Sheet
 
 # Two laws: words and colour; lines of speeds from 1.2 and from 2 capture velocities upwards.
@@ -22,6 +34,12 @@ LINES: tuple[tuple[Line, Line], ...] = (
 )
 
 
+def rebounds_decide(y: Curves) -> Stated:
+    """At the best size of the larger sieve the hardest pair of laws is told apart."""
+    needed = pd.concat([y(f"{laws}, from 1.2 v_c") for laws in COMPARED], axis=1).max(axis=1)
+    return stated(needed.min() < 1000.0, rebounds=needed.min(), larger=needed.idxmin())
+
+
 @Figure(
     "capture_by_size",
     "Capture velocity against the diameter, by law of contact, and the rebounds that decide",
@@ -35,9 +53,11 @@ LINES: tuple[tuple[Line, Line], ...] = (
     data=("size_law_curves", "size_law_impacts"),
     equations="25",
     finding="""
-        Rebounds from two sieves tell a constant coefficient from one that falls with the speed,
-        if they are seen down to little above capture.
+        About {rebounds:.0f} rebounds from each of two sieves, of [[smaller_um:g]] and
+        {larger:.0f} µm, measured down to 1.2 capture velocities, decide between the three
+        laws.
     """,
+    holds=rebounds_decide,
     method="""
         The published power of the diameter is for other particles. The smaller sieve has
         [[smaller_um:g]] µm. Rebounds are spread evenly over the logarithm of the speed, up to

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import Figure, Series
+from study.figures.declaration import Figure, Series, stated
 
 if TYPE_CHECKING:
+    from study.figures.declaration import Stated
+    from study.tables import Curves
     import numpy as np
     import pandas as pd
 
     from study.figures.style import Sheet
+
+
+def one_frame_shows_both_legs(y: Curves) -> Stated:
+    """Enough dashes of both legs are found for a path each."""
+    return stated(all(y(f"{leg} centroids").nunique() > 2 for leg in ("incident", "rebound")))
 
 
 @Figure(
@@ -26,6 +33,7 @@ if TYPE_CHECKING:
     data=("ptis_frame", "ptis_pixels"),
     equations="6, 7",
     finding="One frame gives both speeds and both angles of an impact.",
+    holds=one_frame_shows_both_legs,
     method="""
         Dashes near the surface are left out, as the impact bends them. Each path is fitted to
         all dashes of its leg and followed to the instant at which the sphere's centre is half a
@@ -74,6 +82,15 @@ def grey_levels(pixels: pd.DataFrame) -> tuple[np.ndarray, tuple[float, float, f
     return table.to_numpy(), (left, right, bottom, top)
 
 
+def gravity_matters(y: Curves) -> Stated:
+    """Straight lines err at least ten times as much."""
+    path, line = (
+        max(y(method, leg).abs().max() for leg in ("incident", "rebound"))
+        for method in ("path under gravity", "straight line")
+    )
+    return stated(line > 10.0 * path, path=path, line=line)
+
+
 @Figure(
     "ptis_accuracy",
     "Errors of the speeds measured by the particle trajectory imaging system",
@@ -87,9 +104,10 @@ def grey_levels(pixels: pd.DataFrame) -> tuple[np.ndarray, tuple[float, float, f
     data=("ptis_accuracy",),
     equations="6, 7",
     finding="""
-        Paths under gravity measure the mean speed within about 0.1 %; straight lines err by
-        several per cent at low speed.
+        Paths under gravity measure the mean speed within {path:.1g} %; straight lines err
+        by up to {line:.0f} % at low speed.
     """,
+    holds=gravity_matters,
     method="""
         Errors that all events of an experiment share are left out. For each speed the field of
         view and chopper rate are chosen to show most events; where there is no mark, no setting

@@ -112,7 +112,8 @@ def figures(
             name=name,
             label=label(name),
             title=entry["title"],
-            **{key: _line(entry.get(key, "")) for key in ("finding", "caption", "method")},
+            finding=_line(finding(results / f"figures/{name}.csv")),
+            **{key: _line(entry.get(key, "")) for key in ("caption", "method")},
             article=" ".join(entry.get("article", "").split()),
             data=data,
             tables={file: words for file, words in tables.items() if (results / file).is_file()},
@@ -132,6 +133,11 @@ def figures(
         )
 
     return [figure(n) for n in sorted(there, key=lambda n: (not ARTICLE.fullmatch(n), n))]
+
+
+def finding(content: Path) -> str:
+    """Return the finding that a figure was drawn with, from the table of its content."""
+    return next((row["text"] for row in read_rows(content) if row["artist"] == "finding"), "")
 
 
 def _evidence(paths: Iterable[Path]) -> tuple[str, ...]:

@@ -1,0 +1,70 @@
+"""A finding is shown on a figure as long as the data of the figure bear it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from tests.study.figures.test_pictures import SPECS, data_of
+
+from study.figures.declaration import Figure, stated
+
+# The small run of the references has no events at the shallow angles that these are about.
+OF_SHALLOW_ANGLES = {"fig06", "fig07", "fig11", "fig12", "causes"}
+# Effects, works of adhesion, angles and slopes are abscissae.
+OF_ABSCISSAE = {"fig24_25_doe", "calibration", "campaign", "roughness_expansions"}
+FLAT = 1e4  # In no unit anything that a sentence calls small
+CHECKED = [name for name, figure in SPECS.items() if figure.holds]
+
+
+def tables_of(figure):
+    return dict(zip(figure.data, data_of(figure), strict=True))
+
+
+@pytest.mark.parametrize("name", CHECKED)
+def test_data_of_the_reference_bear_each_finding(name):
+    figure = SPECS[name]
+    found = figure.checked(tables_of(figure)).finding
+    assert bool(found) != (name in OF_SHALLOW_ANGLES)
+    assert "{" not in found
+
+
+@pytest.mark.parametrize("name", CHECKED)
+def test_flat_curves_bear_no_finding(name):
+    figure = SPECS[name]
+    flat = {
+        key: table.assign(**{table.columns[4]: FLAT}) for key, table in tables_of(figure).items()
+    }
+    if figure.analysis in OF_ABSCISSAE:
+        flat = {key: table.assign(**{table.columns[3]: 1.0}) for key, table in flat.items()}
+    assert figure.checked(flat).finding == ""
+
+
+def test_faces_of_the_mirror_that_differ_by_their_roughness_alone_are_not_said_to_differ_more():
+    """The two smooth curves, equal within 0.01, belonged to the sentence that stood there."""
+    figure = SPECS["fig07"]
+    tables = tables_of(figure)
+    table = tables["fig07"]
+    y = table.columns[4]
+    rough = (table["series"] == "mirror back") & (table["panel"] == "restitution")
+    table.loc[rough, y] += 1.0
+    assert "0.80 of the front and 0.70 of the back" in figure.checked(tables).finding
+    back = (table["series"] == "mirror back, smooth") & (table["panel"] == "restitution")
+    table.loc[back, y] += 0.095
+    assert figure.checked(tables).finding == ""
+    former = replace(figure, finding="Only roughness.", holds=lambda y: stated(faces(y) < 0.01))
+    assert former.checked(tables).finding == "Only roughness."
+    assert former.checked(tables_of(figure)).finding == ""
+
+
+def faces(y):
+    front, back = (y(f"mirror {face}, smooth", "restitution").iloc[-1] for face in ("front", "back"))
+    return abs(front - back)
+
+
+def test_a_finding_without_a_check_or_without_its_curve_is_not_shown():
+    figure = Figure("fig14", "t", "c", {}, data=("d",), finding="Said.")
+    assert figure.checked({}).finding == ""
+    absent = replace(figure, holds=lambda y: stated(y("none").any()))
+    assert absent.checked({}).finding == ""
+    assert replace(figure, holds=lambda _: stated(True)).checked({}).finding == "Said."
