@@ -282,7 +282,7 @@ class Sheet:
             return
         x, y = points.columns[3], points.columns[4]
         for axis, values in ((ax.xaxis, points[x]), (ax.yaxis, points[y])):
-            _require_on(axis, values)
+            _require_on(axis, values, f"points of {self.declared.name}")
         if enlarged:
             points = points[points[x].between(*ax.get_xlim())]
         else:
@@ -370,15 +370,15 @@ class Sheet:
         self.figure.legend(handles=handles, loc=loc, ncols=columns)
 
 
-def _require_on(axis: Axis, values: pd.Series[float]) -> None:
+def _require_on(axis: Axis, values: pd.Series[float], points: str) -> None:
     """Refuse points that an axis cannot show, or that have another unit, as percent."""
     ends = axis.get_view_interval()
     for value in values:
         if axis.get_scale() == "log" and value <= 0.0:
-            raise ValueError(f"points of the user: {value:g} must be positive, as its axis is")
+            raise ValueError(f"{points}: {value:g} must be positive, as its axis is")
         if abs(value) > FAR * max(map(abs, ends)):
             shown = f"{min(ends):g} to {max(ends):g}"
-            raise ValueError(f"points of the user: {value:g} is far off the axis, {shown}")
+            raise ValueError(f"{points}: {value:g} is far off the axis, {shown}")
 
 
 def _is(series: str, table: pd.DataFrame) -> pd.Series[bool]:

@@ -12,11 +12,16 @@ from study.declared.selection import NamedTables
 from study.run.config import validate
 
 CONFIG, MATERIALS, CONTACTS = "config.yaml", "materials.csv", "contacts.csv"
-LABORATORY, MODELS, EXPERIMENTS = (
-    f"{name}.yaml" for name in ("laboratory", "analyses/models", "analyses/experiments")
+LABORATORY, PRINTED, EXTERNAL = "laboratory.yaml", "printed_values.csv", "external.csv"
+COULOMB, OBLIQUE, SET_UPS = (
+    f"analyses/{name}.yaml"
+    for name in (
+        "fig17_coulomb_friction",
+        "fig06_12_oblique_experiments",
+        "fig01_03_13_19_22_schematics",
+    )
 )
-PRINTED, FIGURES, POINTS = "printed_values.csv", "figures.yaml", "digitised/fig14.csv"
-EXTERNAL, ANALYSES = "external.csv", "analyses/analyses.yaml"
+POINTS = "digitised/fig14.csv"
 
 RESTITUTION = "restitution: {value: 0.80, evidence: derived,"
 STEEL = "stainless-steel-316,youngs_modulus,193,GPa,,,found,maker's data sheets of AISI 316"
@@ -37,8 +42,8 @@ CASES = [
     (CONFIG, "value: 20011", "value: 1:30", ["config.yaml, line 9", "a colon is read in base 8 or 60", "'1:30"]),
     # keys
     (CONFIG, "seed: {", "sead: {", ["sead: unknown key (did you mean 'seed'?)", "seed: missing"]),
-    (MODELS, "coulomb_friction:", "coulomb_frction:", ["did you mean 'coulomb_friction'?", "coulomb_friction: missing"]),
-    (MODELS, "  spin_friction: {", "  spin_fricton: {", ["fig17_coulomb_friction.spin_fricton: unknown key", "fig17_coulomb_friction.spin_friction: missing"]),
+    (COULOMB, "fig17_coulomb_friction:", "fig17_coulomb_frction:", ["did you mean 'fig17_coulomb_friction'?", "fig17_coulomb_friction: missing"]),
+    (COULOMB, "  spin_friction: {", "  spin_fricton: {", ["fig17_coulomb_friction.spin_fricton: unknown key", "fig17_coulomb_friction.spin_friction: missing"]),
     # values and their provenance
     (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "1.5"), ["cases.steel-mirror front.restitution: 1.5", "less than or equal to 1"]),
     (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", ".nan"), ["cases.steel-mirror front.restitution: nan", "finite"]),
@@ -48,47 +53,45 @@ CASES = [
     (LABORATORY, RESTITUTION, RESTITUTION.replace("derived", "guessed"), ["cases.steel-mirror front.restitution.evidence: 'guessed' must be one of"]),
     (LABORATORY, RESTITUTION, RESTITUTION.replace("derived", "[derived]"), ["cases.steel-mirror front.restitution.evidence: ['derived'] must be one of"]),
     (LABORATORY, RESTITUTION, RESTITUTION.replace("value:", "vale:"), ["cases.steel-mirror front.restitution"]),
-    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: 0.05", ["fig17_coulomb_friction.friction.values: 0.05 must be a list"]),
-    (MODELS, "friction: {values: [0.05, 0.10", "friction: {values: [0.05, -0.10", ["fig17_coulomb_friction.friction[1]: -0.1"]),
-    (MODELS, "points: {value: 360,", "points: {value: 360.5,", ["fig17_coulomb_friction.points: 360.5"]),
+    (COULOMB, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: 0.05", ["fig17_coulomb_friction.friction.values: 0.05 must be a list"]),
+    (COULOMB, "friction: {values: [0.05, 0.10", "friction: {values: [0.05, -0.10", ["fig17_coulomb_friction.friction[1]: -0.1"]),
+    (COULOMB, "points: {value: 360,", "points: {value: 360.5,", ["fig17_coulomb_friction.points: 360.5"]),
     (CONFIG, "seed: {value: 20011", "seed: {value: -1", ["seed: -1"]),
     (CONFIG, "source: \"root of every random draw; an analysis takes its seed from this and its name, unless it gives one\"", "source: ''", ["seed.source: '' must say where"]),
-    (MODELS, "coulomb_friction:\n", "coulomb_friction: 3\nwas:\n", ["coulomb_friction: 3 must be a mapping"]),
+    (COULOMB, "fig17_coulomb_friction:\n", "fig17_coulomb_friction: 3\nwas:\n", ["fig17_coulomb_friction: 3 must be a mapping"]),
     # names that are not declared
-    (MODELS, "case: fluorescein-molybdenum, nominal", "case: fluorescein-molybdenum, nomial", ["fig20_force_history.case: 'fluorescein-molybdenum, nomial' is not declared in cases (did you mean 'fluorescein-molybdenum, nominal'?)"]),
+    ("analyses/fig20_force_history.yaml", "case: fluorescein-molybdenum, nominal", "case: fluorescein-molybdenum, nomial", ["fig20_force_history.case: 'fluorescein-molybdenum, nomial' is not declared in cases (did you mean 'fluorescein-molybdenum, nominal'?)"]),
     (LABORATORY, "    surface: {from: surfaces.Formica}", "    surface: formcia", ["cases.steel-formica.surface: 'formcia' is not declared in config/materials.csv (did you mean 'formica'?)"]),
-    (EXPERIMENTS, "printed: impulse_ratio_plateau", "printed: impulse_ratio_plat", ["fig06_12_oblique_experiments.series.silicon front.marks.printed plateau.printed: 'impulse_ratio_plat' is not declared in config/printed_values.csv", "did you mean 'impulse_ratio_plateau'?"]),
+    (OBLIQUE, "printed: impulse_ratio_plateau", "printed: impulse_ratio_plat", ["fig06_12_oblique_experiments.series.silicon front.marks.printed plateau.printed: 'impulse_ratio_plat' is not declared in config/printed_values.csv", "did you mean 'impulse_ratio_plateau'?"]),
     (PRINTED, "1.59 to 1.69,50 to 15", "1.59 to fast,50 to 15", ["printed_values.csv, line", "speed_m_per_s: '1.59 to fast' must be numbers, as 49; 62 or 15 to 85, or empty"]),
-    (PRINTED, "\ndoe_small_variation,", "\ndoe_variation,", ["printed_values.csv: doe_small_variation: missing; doe reads it"]),
-    (CONFIG, "figures: config/figures.yaml", "figures: config/materials.csv", ["config/materials.csv"]),
+    (PRINTED, "\ndoe_small_variation,", "\ndoe_variation,", ["printed_values.csv: doe_small_variation: missing; fig24_25_doe reads it"]),
     (LABORATORY, "    case: steel-formica", "    case: stainless-steel-316 on formcia", ["drops.steel on Formica.case: 'stainless-steel-316 on formcia' is not declared in cases (did you mean 'stainless-steel-316 on formica'?)"]),
-    (MODELS, "    steel-formica: {from: cases.steel-formica}\n", "", ["cases.steel-formica: is named, but calibration does not calibrate it"]),
+    ("analyses/calibration.yaml", "    steel-formica: {from: cases.steel-formica}\n", "", ["cases.steel-formica: is named, but calibration does not calibrate it"]),
     (CONTACTS, "stainless-steel-316,formica,work_of_adhesion", "stainless-steel-316,formcia,work_of_adhesion", ["contacts.csv: stainless-steel-316 on formica: the pair", "is incomplete; give work_of_adhesion", "unknown material 'formcia' (did you mean 'formica'?)"]),
-    (EXPERIMENTS, "speeds: [{from: speeds.fast},", "speeds: [{from: speeds.fats},", ["campaign.blocks.SST65 on silicon.speeds[0].from: 'speeds.fats' is not declared (did you mean 'fast'?)"]),
+    ("analyses/campaign.yaml", "speeds: [{from: speeds.fast},", "speeds: [{from: speeds.fats},", ["campaign.blocks.SST65 on silicon.speeds[0].from: 'speeds.fats' is not declared (did you mean 'fast'?)"]),
     (CONFIG, "materials: config/materials.csv", "materials: config/material.csv", ["materials: 'config/material.csv' must be a file; there is none"]),
     # slips of lists, kinds and units
-    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: []", ["fig17_coulomb_friction.friction: [] must hold at least one number"]),
-    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {value: 0.3", ["fig17_coulomb_friction.friction: 0.3 must be a list, as [0.3]"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: 1.0e+8", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s: 1e+08 m/s must be from 0 to 1000 m/s"]),
+    (COULOMB, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: []", ["fig17_coulomb_friction.friction: [] must hold at least one number"]),
+    (COULOMB, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {value: 0.3", ["fig17_coulomb_friction.friction: 0.3 must be a list, as [0.3]"]),
+    (SET_UPS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: 1.0e+8", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s: 1e+08 m/s must be from 0 to 1000 m/s"]),
     (LABORATORY, "kind: truncated_normal\n      mean: {value: 54.0", "kind: gaussian\n      mean: {value: 54.0", ["particles.glass spheres.diameter_um.kind: 'gaussian' must be one of constant, uniform, normal"]),
-    (POINTS, "1.0,0.5,0.4,0.6", "1.0,50,40,60", ["fig14.csv, line 5, y: 50 is far off the axis of 'trends', 0 to 1.05"]),
     # references
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: track_imaging.angles_deg}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: 'track_imaging.angles_deg' is not declared"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: 3}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: '3' is not declared"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: surfaces.Formica}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: no speed_m_per_s in surfaces.Formica"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, valu: 3}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.valu: unknown key"]),
-    (EXPERIMENTS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, value: -3}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s: -3"]),
+    (SET_UPS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
+    (SET_UPS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: track_imaging.angles_deg}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: 'track_imaging.angles_deg' is not declared"]),
+    (SET_UPS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: 3}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: '3' is not declared"]),
+    (SET_UPS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: surfaces.Formica}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.from: no speed_m_per_s in surfaces.Formica"]),
+    (SET_UPS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, valu: 3}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s.valu: unknown key"]),
+    (SET_UPS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, value: -3}", ["fig01_03_13_19_22_schematics.rebound.speed_m_per_s: -3"]),
     (LABORATORY, "mirror front, speeds.nominal]", "mirror font, speeds.nominal]", ["drops.steel on mirror.from: 'surfaces.mirror font' is not declared (did you mean 'mirror front'?)"]),
     (LABORATORY, "other pairs: {from: frictions.steel on silicon", "other pairs: {from: frictions.other pairs", ["frictions.other pairs", "refers to itself"]),
-    (EXPERIMENTS, "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["fig04_05_normal_experiments.populations: ['SST65', 'SST125'] must be a mapping"]),
+    ("analyses/fig04_05_normal_experiments.yaml", "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["fig04_05_normal_experiments.populations: ['SST65', 'SST125'] must be a mapping"]),
     (LABORATORY, "target_radius_mm: {value: 5.0", "target_radius_mm: {value: 5.5", ["pile.target_radius_mm: 5.5 must be one of radii_mm, [3, 5, 10]"]),
-    ("claims.yaml", "angles_deg: {values: [50, 10]", "angles_deg: {values: [5, 10]", ["claim_numbers.C13.angles_deg: [5, 10] must descend"]),
+    ("analyses/claim_numbers.yaml", "angles_deg: {values: [50, 10]", "angles_deg: {values: [5, 10]", ["claim_numbers.C13.angles_deg: [5, 10] must descend"]),
     (LABORATORY, "speed_range_m_per_s: {values: [1.6, 1.72]", "speed_range_m_per_s: {values: [1.72, 1.6]", ["speeds.nominal.speed_range_m_per_s: [1.72, 1.6] must ascend"]),
     (LABORATORY, "angles_deg: {values: [85, 80, 75, 70, 60, 55, 50, 45, 40, 30, 20, 15, 10, 5]", "angles_deg: {values: [95]", ["experiment.angles_deg[0]: 95 must be less than or equal to 90"]),
     (LABORATORY, "      mean: {value: 50.0, evidence", "      mode: 3\n      mean: {value: 50.0, evidence", ["particles.SST65.diameter_um.mode: unknown key"]),
     (LABORATORY, "surfaces:\n", "surfaces: 3\nnone:\n", ["surfaces: 3 must be a mapping"]),
-    (ANALYSES, "      low: {value: 1.61,", "      lower: {value: 1.61,", ["speed_m_per_s.low: missing", "speed_m_per_s.lower: unknown key"]),
+    ("analyses/fig23_monte_carlo.yaml", "      low: {value: 1.61,", "      lower: {value: 1.61,", ["speed_m_per_s.low: missing", "speed_m_per_s.lower: unknown key"]),
     # declared tables
     (MATERIALS, "material,property", "material;property", ["materials.csv: the header is"]),
     (MATERIALS, STEEL, STEEL + ",more", ["materials.csv, line 2: must have 8 fields"]),
@@ -134,16 +137,8 @@ CASES = [
     (EXTERNAL, ",2.6,6.9,um", ",6.9,2.6,um", ["external.csv, line", "low: 6.9 must be below high, 2.6"]),
     (PRINTED, "pile_up_speed_sst_silicon,,0.2,0.3", "pile_up_speed_sst_silicon,,0.3,0.2", ["printed_values.csv, line 10, low: 0.3 must be below high, 0.2"]),
     (EXTERNAL, ",0.79344,", ",,", ["external.csv, line 2, value: None must be"]),
-    (ANALYSES, "external: kharaz2001", "external: kharas2001", ["oblique_data.external: 'kharas2001' is not declared in config/external.csv (did you mean 'kharaz2001'?)"]),
+    ("analyses/oblique_data.yaml", "external: kharaz2001", "external: kharas2001", ["oblique_data.external: 'kharas2001' is not declared in config/external.csv (did you mean 'kharaz2001'?)"]),
     (PRINTED, "key,value", "name,value", ["printed_values.csv: the header is name, value"]),
-    # figure registry
-    (FIGURES, "\nfig14:", "\nfigure14:", ["figure14"]),
-    (FIGURES, "study: restitution_trends", "study: restitution_trend", ["'restitution_trend' is no study (did you mean 'restitution_trends'?)"]),
-    (FIGURES, "[[set_ups.disk_slots]]", "[[set_ups.disk_slot]]", ["no parameter 'set_ups.disk_slot' (did you mean 'disk_slots'?)"]),
-    (FIGURES, "module: study.figures.", "module: os.", ["module"]),
-    (FIGURES, "x_range: [", "x_range: [9.0e9, ", ["x_range"]),
-    (FIGURES, "\nfig14:\n", "\nfig14:\n  tables: 3\n", ["config/figures.yaml: fig14.tables: 3 must be a mapping"]),
-    (FIGURES, "width: single", "width: triple", ["width: 'triple'"]),
     # digitised points: run/test_digitised.py has all that may be wrong in a file
     (POINTS, "1.0,0.5,0.4,0.6", "1.0,0.5,0.6,0.4", ["fig14.csv, line 5"]),
 ]
@@ -174,14 +169,12 @@ BYTES = [
     (CONFIG, b"", "config.yaml: must hold a mapping"),
     (MATERIALS, b"", "materials.csv: the header is"),
     (MATERIALS, b"material,\xe9\n", "materials.csv: must be a text in UTF-8, byte 9 is not"),
-    (FIGURES, b"fig14: 3\n", "config/figures.yaml: fig14: 3 must be a mapping"),
-    (FIGURES, b"fig14: {study: {}}\n", "fig14.study: {} is no study"),
 ]  # fmt: skip
 
 
 # What a user lays over the files as shipped, and the lines that refuse it.
 OVERLAYS = [
-    ({"fig20_force_history": {"diameter_um": 4, "9": None}}, ["force_history.9: unknown key (known here: angle_deg,"]),  # {diameter_um: 4,9}
+    ({"fig20_force_history": {"diameter_um": 4, "9": None}}, ["fig20_force_history.9: unknown key (known here: angle_deg,"]),  # {diameter_um: 4,9}
     ({"nonsense": None}, ["nonsense: unknown key"]),
     ({"fig17_coulomb_friction": {"spin_friction": "0.3"}}, ["fig17_coulomb_friction.spin_friction: '0.3' must be a valid number (it is text: write it without quotes"]),
     ({"pathvars": {"reslts": "x"}}, ["pathvars.reslts: unknown key (did you mean 'results'?)"]),
@@ -257,7 +250,7 @@ def test_a_file_that_is_none(declared, name, content, words):
 
 
 def test_a_byte_order_mark_and_other_line_ends_do_no_harm(declared):
-    for name in (CONFIG, MATERIALS, CONTACTS, FIGURES):
+    for name in (CONFIG, MATERIALS, CONTACTS, COULOMB):
         text = (declared.root / "config" / name).read_text(encoding="utf-8")
         declared.write(name, b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
     declared.write(POINTS, DIGITISED.replace("\n", "\r\n").encode())

@@ -87,7 +87,7 @@ def test_panels_stand_in_columns_with_letters_and_titles_of_the_inputs():
 def test_numbers_on_logarithmic_axes_are_plain_and_where_they_are_declared():
     drawn = sheet({"a": "", "b": ""})
     steps, ticks = drawn.panels(xscale="log", xlim=(0.1, 10.0))
-    drawn.steps(steps.xaxis, 1.0, 3.0)
+    drawn.ticks(steps.xaxis, (1.0, 3.0), decades=True)
     drawn.ticks(ticks.xaxis, (0.2, 5.0))
     drawn.figure.draw_without_rendering()
     shown = [[tick.get_text() for tick in ax.get_xticklabels()] for ax in (steps, ticks)]
@@ -112,7 +112,7 @@ def test_a_view_shows_the_data_of_another_panel_and_stays_enlarged():
     drawn = sheet({"p": "", "near": ""}, rows, views={"near": "p"})
     whole, near = drawn.panels(xlim=(0.0, 1.0), ylim=(0.0, 0.1))
     for ax in (whole, near):
-        drawn.draw(ax, fixed=ax is near)
+        drawn.draw(ax, {}, fixed=ax is near)
     assert whole.get_xlim()[1] > 9.0
     assert near.get_xlim() == (0.0, 1.0)
     assert list(near.lines[0].get_ydata()) == list(whole.lines[0].get_ydata())
@@ -122,4 +122,4 @@ def test_a_panel_without_data_is_refused():
     drawn = sheet({"p": ""}, [("q", "s", "computed", 0.0, 0.0)])
     (ax,) = drawn.panels()
     with pytest.raises(ValueError, match="no rows for panel 'p'"):
-        drawn.draw(ax)
+        drawn.draw(ax, {})

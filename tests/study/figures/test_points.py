@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.colors import same_color
 
 from study.figures import style
+from study.figures.declaration import Figure
 from study.run.digitised import overlaid
 
 TOP = "# source: made up\n# digitised_by: nobody\nseries,x,y,y_low,y_high\n"
@@ -69,6 +71,26 @@ def test_the_key_tells_the_distance_from_the_curve_of_the_name(drawn, coulomb):
     texts = legend_texts(drawn(*lines, "friction: 0.15,95,0.3,,", "friction: 0.1500,30,0.1,,"))
     new = ["digitised: 0.15, rms 0.031", "digitised: 0.1500"]
     assert [text for text in texts if text.startswith("digitised")] == new
+
+
+@pytest.mark.parametrize(
+    ("point", "message"),
+    [
+        ("a,0,0.2,,", "points of fig14: 0 must be positive, as its axis is"),
+        ("a,1,200,,", "points of fig14: 200 is far off the axis, 0.1 to 1"),
+    ],
+)
+def test_a_point_that_an_axis_cannot_show_is_refused(tmp_path, point, message):
+    words = Figure("fig14", "Trends", "Curves.", {"p": ""}, data=("fig14",))
+    columns = ["panel", "series", "evidence", "x_m", "y_1", "y_low", "y_high"]
+    curve = pd.DataFrame([("p", "a", "computed", 1.0, 1.0, None, None)], columns=columns)
+    path = tmp_path / "fig14.csv"
+    path.write_text(f"{TOP}{point}\n")
+    with style.context():
+        sheet = style.Sheet(words, overlaid({"fig14": curve}, words, str(path)), {}, {})
+        (ax,) = sheet.panels(xscale="log", xlim=(0.1, 10.0), ylim=(0.1, 1.0))
+        with pytest.raises(ValueError, match=message):
+            sheet.draw(ax, {})
 
 
 def test_a_name_is_no_markup(drawn, tmp_path):

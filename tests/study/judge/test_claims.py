@@ -6,30 +6,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.claims.claim import NUMBER_COLUMNS
-from study.declared.parameters import build
+from study.claims.claim import NUMBER_COLUMNS, Claim, Number
 from study.judge import COLUMNS, LedgerError, judge, verdicts
-from study.judge.criteria import Claim, ClaimsError
+from study.judge.criteria import ClaimsError
 from study.judge.independent import AGREES, DISAGREES, SPLIT, agreements, independent
 from study.judge.judging import RESULT_COLUMNS
 from study.judge.words import agreement
 
 
-def claim(**changes):
-    entry = {
-        "id": "C01",
-        "where": "2",
-        "quote": "q",
-        "statement": "s",
-        "kind": "model",
-        "article_value": "0.7",
-        "unit": "-",
-        "quantities": {"e": "-", "v": "m/s"},
-        "criteria": {"e": {"within": [0.7, 0.05]}},
-        "reason": "because",
-        "break": {"change": "x", "expect": "not reproduced"},
-    }
-    return build(Claim, entry | changes)
+WORDS = {"where": "2", "quote": "q", "article": "0.7", "reason": "because"}
+NEAR, SPEED = Number(within=(0.7, 0.05)), Number(unit="m/s")
+
+
+def claim(name="C01", **changes):
+    return Claim(name, "s", **{**WORDS, "numbers": {"e": NEAR, "v": SPEED}, **changes})
 
 
 def numbers(*rows):
@@ -55,11 +45,11 @@ def cases(*values, error=math.nan):
 
 
 GOOD = cases(0.72)
-TWO = {"cases": ["a", "b"]}
+TWO = {"cases": ("a", "b")}
 
 
 def condition(bound):
-    return {"identified_if": {"v": {"at_least": bound}}}
+    return {"numbers": {"e": NEAR, "v": Number(unit="m/s", at_least=bound, identifies=True)}}
 
 
 @pytest.mark.parametrize(
@@ -99,9 +89,9 @@ def test_a_bound_that_the_error_covers_is_not_decided(values, expected, margin):
 
 
 def test_the_worst_criterion_of_a_case_gives_its_margin_and_exact_numbers_none():
-    criteria = {"e": {"at_least": 0.5}, "v": {"at_most": 0.5}}
+    bounds = {"e": Number(at_least=0.5), "v": Number(at_most=0.5)}
     rows = [("C01", "", "e", 0.51, 0.01), ("C01", "", "v", 1.0, 0.1)]
-    assert ledger_of(rows, criteria=criteria)[0]["margin"] == pytest.approx(-5.0)
+    assert ledger_of(rows, numbers=bounds)[0]["margin"] == pytest.approx(-5.0)
     assert np.isnan(ledger_of(GOOD)[0]["margin"])
 
 
@@ -138,38 +128,19 @@ def test_a_claim_that_could_not_be_computed_says_why_and_leaves_the_others_alone
     lacking = ("C01", "b", "not computed", *[math.nan] * 2, None, "", "No plateau")
     second = numbers(*(("C02", *row[1:]) for row in GOOD))
     table = pd.concat([whole, pd.DataFrame([lacking], columns=NUMBER_COLUMNS), second])
-    ledger, _ = verdicts({"C01": claim(**TWO), "C02": claim(id="C02")}, table)
+    ledger, _ = verdicts({"C01": claim(**TWO), "C02": claim("C02")}, table)
     assert list(ledger["verdict"]) == ["not computed", "reproduced"]
     assert ledger["note"][0] == "b: No plateau"
     assert ledger["computed_value"][0] == "e (a) = 0.7; v (a) = 1 m/s"
 
 
-CLAIMS = """
-C01:
-  where: "2"
-  quote: q
-  statement: s
-  kind: model
-  article_value: "0.7"
-  unit: "-"
-  quantities: {e: "-"}
-  criteria: {e: {at_least: 0.5}}
-  reason: r
-  external: [falls]
-  break: {change: x, expect: not reproduced}
-  amendments: [{part: criteria, was: a, now: b, reason: c}]
-"""
-
-
-def test_claims_facts_and_amendments_make_the_ledger(tmp_path):
-    path = tmp_path / "claims.yaml"
-    path.write_text(CLAIMS)
+def test_claims_facts_and_amendments_make_the_ledger(one):
     none = pd.DataFrame(columns=["claim", "alternative"])
     tables = {"claim_numbers": numbers(GOOD[0])}
     tables |= {"claim_draws": none, "posterior_contacts": pd.DataFrame()}
     row = ("falls", "silver", "agrees with independent data")
     tables["external_evidence"] = pd.DataFrame([row], columns=["fact", "contact", "agreement"])
-    ledger = judge(tables, path)
+    ledger = judge(tables)
     assert list(ledger["claims"]["verdict"]) == ["reproduced"]
     assert list(ledger["claims"]["independent"]) == ["agrees with independent data"]
     assert ledger["claim_evidence"].to_dict("records") == [
@@ -203,11 +174,11 @@ FACTS = pd.DataFrame(
     ],
 )
 def test_what_independent_data_say(facts, expected, words):
-    evidence = independent({"C01": claim(external=facts)}, FACTS)
+    evidence = independent({"C01": claim(external=tuple(facts))}, FACTS)
     assert agreements(evidence).get("C01") == expected
     assert list(map(agreement, evidence.to_dict("records"))) == words
 
 
 def test_a_fact_that_nobody_found_is_refused():
     with pytest.raises(ClaimsError, match=r"C01.external: 'no targt' .* 'no target'"):
-        independent({"C01": claim(external=["no targt"])}, FACTS)
+        independent({"C01": claim(external=("no targt",))}, FACTS)

@@ -2,78 +2,108 @@
 
 from __future__ import annotations
 
-import copy
+import dataclasses
 import math
 import re
 
 import pytest
-import yaml
-from tests.shared import ROOT, settings_as_shipped
+from tests.shared import settings_as_shipped
+from tests.study.claims.breaks import BREAKS, read_breaks
 
+from study import analyses
+from study.claims.claim import CLAIMS, Claim, Number
 from study.declared.documents import ConfigError
-from study.judge.criteria import ClaimsError, Criterion, read_claims
+from study.equations import EQUATIONS
+from study.judge import amendments
+from study.judge.criteria import declared_claims
+
+DECLARED = declared_claims()
+BRANCH = settings_as_shipped().branches["claim_numbers"]
+CONTROLS = read_breaks()
+# Identities and what a model assumes, which the ledger of equations has; C98 and C111 are findings
+# of this study, told in docs/experiments.md.
+NO_CLAIMS = {6, 15, 18, 20, 24, 26, 44, 49, 50, 93, 98, 108, 111}
 
 
-def holds(criterion, value):
-    return criterion.distance(value) >= 0.0
+def holds(number, value):
+    return number.distance(value) >= 0.0
 
 
-SHIPPED = ROOT / "config/claims.yaml"
-CLAIMS = read_claims(SHIPPED)
-REMOVED = object()
-
-GOOD = {
-    "where": "3.1",
-    "quote": "about 0.70",
-    "statement": "A restitution is about 0.70.",
-    "kind": "model",
-    "article_value": "0.70",
-    "unit": "-",
-    "quantities": {"restitution": "-"},
-    "criteria": {"restitution": {"within": [0.7, 0.07]}},
-    "reason": "About means 10 %.",
-    "figures": ["fig14", "capture_laws"],
-    "equations": ["16"],
-    "break": {"change": "adhesion off", "expect": "not reproduced"},
-}
+# Claims as a whole
 
 
-def changed(**keys):
-    entry = copy.deepcopy(GOOD) | keys
-    return {key: value for key, value in entry.items() if value is not REMOVED}
+def test_every_claim_is_there_once_and_quotes_a_few_words_of_the_article():
+    numbers = [number for number in range(1, 112) if number not in NO_CLAIMS]
+    assert list(DECLARED) == [f"C{number:02d}" for number in numbers]
+    assert all(name == claim.id for name, claim in DECLARED.items())
+    assert all(len(claim.quote.split()) <= 15 for claim in DECLARED.values())
 
 
-def bounded(name="restitution", **bounds):
-    return changed(criteria={name: bounds})
+@pytest.mark.parametrize("name", DECLARED)
+def test_a_claim_is_complete(name):
+    claim = DECLARED[name]
+    assert all((claim.statement, claim.where, claim.quote, claim.article, claim.reason))
+    assert bool(claim.function) == bool(claim.numbers) == claim.testable
+    assert len(claim.cases) != 1, "one case alone is no alternative"
+    assert set(claim.figures.split()) <= set(analyses.figures())
+    assert set(claim.equations.split()) <= set(EQUATIONS)
+    assert all(re.fullmatch(r"[a-z]\w*", number) for number in claim.numbers)
 
 
-AMENDED = {"part": "break", "was": "a", "now": "b", "reason": "c"}
+def test_a_function_is_that_of_one_claim():
+    name, claim = next(iter(CLAIMS.items()))
+    with pytest.raises(ValueError, match=f"claim '{name}' has a function already"):
+        Claim(name, "s", where="2", article="a", reason="r")(claim.function)
 
 
-def read(tmp_path, claims):
-    path = tmp_path / "claims.yaml"
-    path.write_text(yaml.safe_dump(claims), encoding="utf-8")
-    return read_claims(path)
+@pytest.mark.parametrize("name", [name for name, claim in DECLARED.items() if claim.testable])
+def test_a_claim_has_a_break_with_a_verdict_that_it_can_get(name):
+    claim, control = DECLARED[name], CONTROLS[name]
+    possible = {claim.if_met, "not reproduced"}
+    if claim.cases or claim.identified_if or claim.by_contact:
+        possible.add("not identified")
+    assert control.change
+    assert control.expect in possible
+    assert control.is_data != (name in BREAKS)
+
+
+def test_calibrated_claims_are_those_named_beforehand():
+    # a number that fixed a parameter proves nothing
+    fixed = "C05 C08 C28 C31 C33 C35 C36 C51 C52 C81 C86 C94 C96"
+    assert all(DECLARED[key].if_met == "calibrated" for key in fixed.split())
+
+
+def test_a_misprinted_equation_is_named_where_it_decides():
+    # a corrected equation must be undone by its printed form, which then fails
+    for name, claim in DECLARED.items():
+        if claim.if_met == "reproduced with a correction":
+            assert CONTROLS[name].expect == "not reproduced"
+            assert "printed" in CONTROLS[name].change
+
+
+def test_an_amendment_says_what_the_claim_says_now():
+    rows = amendments()
+    assert {row["id"] for row in rows} <= set(DECLARED)
+    latest = {(row["id"], row["part"]): row["now"] for row in rows}
+    for name, claim in DECLARED.items():
+        assert latest.get((name, "statement"), claim.statement).startswith(claim.statement)
+        if name in CONTROLS:
+            change = CONTROLS[name].change
+            assert latest.get((name, "break"), change).startswith(change)
+
+
+# Words
 
 
 def test_a_changed_value_changes_the_reasons_that_tell_it():
-    branch = settings_as_shipped().branches["claim_numbers"]
-    here, there = (read_claims(SHIPPED, of) for of in (branch, doubled(branch)))
-    for name, claim in CLAIMS.items():
+    here, there = (declared_claims(values) for values in (BRANCH, doubled(BRANCH)))
+    for name, claim in DECLARED.items():
         assert (here[name].reason != there[name].reason) == ("[[" in claim.reason)
         assert "[[" not in here[name].reason
     labels = (of["C16"].labels["captured_share"] for of in (here, there))
     assert list(labels) == ["captured share below 0.2 m/s", "captured share below 0.4 m/s"]
     with pytest.raises(ConfigError, match=r"C04\.\S+: no parameter 'speed_m_per_s'"):
-        read_claims(SHIPPED, branch | {"C04": {}})
-
-
-def test_a_claim_and_the_function_of_its_numbers_go_together(tmp_path):
-    path = tmp_path / "claims.yaml"
-    path.write_text(SHIPPED.read_text(encoding="utf-8").replace("\nC58:", "\nC258:"))
-    with pytest.raises(ClaimsError) as caught:
-        read_claims(path, settings_as_shipped().branches["claim_numbers"])
-    assert [line.split(": ")[0] for line in str(caught.value).splitlines()] == ["C258", "C58"]
+        declared_claims(BRANCH | {"C04": {}})
 
 
 def doubled(node):
@@ -84,31 +114,7 @@ def doubled(node):
     return 2 * node if isinstance(node, int | float) else node
 
 
-# Identities and what a model assumes, which the ledger of equations has; C98 and C111 are findings
-# of this study, told in docs/experiments.md.
-NO_CLAIMS = {6, 15, 18, 20, 24, 26, 44, 49, 50, 93, 98, 108, 111}
-
-
-def test_every_claim_is_there_once_and_quotes_a_few_words_of_the_article():
-    # YAML keeps the last of two equal keys without a word
-    written = re.findall(r"(?m)^(C\d+):", SHIPPED.read_text(encoding="utf-8"))
-    numbers = [number for number in range(1, 112) if number not in NO_CLAIMS]
-    assert written == list(CLAIMS) == [f"C{number:02d}" for number in numbers]
-    assert all(len(claim.quote.split()) <= 15 for claim in CLAIMS.values())
-
-
-def test_calibrated_claims_are_those_named_beforehand():
-    # a number that fixed a parameter proves nothing
-    fixed = "C05 C08 C28 C31 C33 C35 C36 C51 C52 C81 C86 C94 C96"
-    assert all(CLAIMS[key].if_met == "calibrated" for key in fixed.split())
-
-
-def test_a_misprinted_equation_is_named_where_it_decides():
-    # a corrected equation must be undone by its printed form, which then fails
-    for claim in CLAIMS.values():
-        if claim.if_met == "reproduced with a correction":
-            assert claim.break_.expect == "not reproduced"
-            assert "printed" in claim.break_.change
+# Bounds
 
 
 @pytest.mark.parametrize(
@@ -121,78 +127,35 @@ def test_a_misprinted_equation_is_named_where_it_decides():
     ],
 )
 def test_boundaries_are_sharp_and_belong_to_the_accepted_side(bounds, accepted, refused):
-    criterion = Criterion(**bounds)
-    assert all(holds(criterion, value) for value in accepted)
-    assert not any(holds(criterion, value) for value in (*refused, math.nan))
+    number = Number(**bounds)
+    assert number.is_tested
+    assert all(holds(number, value) for value in accepted)
+    assert not any(holds(number, value) for value in (*refused, math.nan))
 
 
 def test_boundaries_are_those_of_the_decimals_as_written():
     # 0.1 + 0.2 is not 0.3 and 0.3 - 0.1 is not 0.2 in binary
-    criterion = Criterion(within=(0.1, 0.2))
-    assert criterion.interval == (-0.1, 0.3)
-    assert not holds(criterion, math.nextafter(0.3, 1.0))
-    assert holds(Criterion(within=(0.3, 0.1)), 0.2)
-
-
-def test_a_good_file_is_read(tmp_path):
-    claims = read(tmp_path, {"C10": changed(), "C02": changed(), "C100": changed()})
-    assert list(claims) == ["C02", "C10", "C100"]
-    assert claims["C02"].break_.change == "adhesion off"
-    assert claims["C02"].verdicts == ("reproduced", "not reproduced")
+    number = Number(within=(0.1, 0.2))
+    assert number.interval == (-0.1, 0.3)
+    assert not holds(number, math.nextafter(0.3, 1.0))
+    assert holds(Number(within=(0.3, 0.1)), 0.2)
 
 
 @pytest.mark.parametrize(
-    ("entry", "message"),
+    ("bounds", "message"),
     [
-        ("text", "C01: 'text' must be a mapping"),
-        (changed(reason=REMOVED), "C01.reason: missing"),
-        (changed(brek={}), "C01.brek: unknown key (did you mean 'break'?)"),
-        (changed(kind="guess"), "C01.kind: 'guess' must be 'model', "),
-        (changed(figures=["fig26"]), "C01.figures[0]: 'fig26' "),
-        (changed(equations=["42"]), "C01.equations[0]: '42' "),
-        (changed(quantities={"restitution": "-", "Bad name": "-"}), "C01.quantities.Bad name"),
-        (bounded(at_lest=1), "C01.criteria.restitution.at_lest: unknown key (did you mean 'at_le"),
-        (bounded(at_most=math.nan), "C01.criteria.restitution.at_most: nan must be a finite"),
-        (bounded(within=[0.7]), "C01.criteria.restitution.within"),
-        (bounded(), "C01.criteria.restitution: needs at_least, at_most or both, or within alone"),
-        (bounded(within=[1, 0.1], at_most=1), "C01.criteria.restitution: needs at_least, at_most"),
-        (
-            bounded(at_least=1, at_most=1),
-            "C01.criteria.restitution: at_least 1.0 must be below at_most 1.0",
-        ),
-        (
-            bounded("restituton", at_most=1),
-            "C01: 'restituton' is not among the quantities (did you mean 'restitution'?)",
-        ),
-        (changed(criteria={}), "C01: a claim with criteria needs a break, one without has none"),
-        (changed(if_met="not reproduced"), "C01.if_met: 'not reproduced' must be 'reproduced', "),
-        (changed(cases=["n = 0"]), "C01.cases: one alone is no alternative"),
-        (changed(**{"break": REMOVED}), "C01: a claim with criteria needs a break"),
-        (
-            changed(**{"break": {"change": "x", "expect": "not identified"}}),
-            "C01: break expects 'not identified', which is not among the verdicts",
-        ),
-        (changed(amendments=[AMENDED | {"part": "where"}]), "C01.amendments[0].part: 'where' "),
+        ({"within": (1.0, 0.1), "at_most": 1.0}, "within stands alone"),
+        ({"at_least": 1.0, "at_most": 1.0}, "at_least 1.0 must be below at_most 1.0"),
     ],
 )
-def test_a_bad_entry_gives_one_clear_line(tmp_path, entry, message):
-    with pytest.raises(ClaimsError) as caught:
-        read(tmp_path, {"C01": entry, "C02": changed()})
-    assert str(caught.value).startswith(message)
-    assert "\n" not in str(caught.value)
+def test_bounds_that_leave_nothing_or_say_it_twice_are_refused(bounds, message):
+    with pytest.raises(ValueError, match=message):
+        Number(**bounds)
 
 
-def test_all_problems_are_told_together(tmp_path):
-    wrong = {"C01": changed(kind="guess", where=1), "C02": None, "C1000": changed()}
-    with pytest.raises(ClaimsError) as caught:
-        read(tmp_path, wrong)
-    keys = [line.partition(":")[0] for line in str(caught.value).splitlines()]
-    assert keys == ["C01.where", "C01.kind", "C02", "C1000.id"]
-
-
-def test_an_amendment_says_what_the_claim_says_now():
-    for claim in CLAIMS.values():
-        latest = {one.part: one.now for one in claim.amendments}
-        assert latest.get("statement", claim.statement).startswith(claim.statement)
-        if claim.break_:
-            assert latest.get("break", claim.break_.change).startswith(claim.break_.change)
+def test_numbers_that_identify_stand_before_the_criteria():
+    numbers = {"plain": Number(), "e": Number(at_most=1.0), "v": Number(at_least=1, identifies=True)}
+    claim = dataclasses.replace(DECLARED["C01"], numbers=numbers)
+    assert list(claim.tests) == ["v", "e"]
+    assert list(claim.criteria) == ["e"]
+    assert list(claim.identified_if) == ["v"]

@@ -3,14 +3,14 @@
 import numpy as np
 import pandas as pd
 import pytest
-from tests.study.judge.test_claims import CLAIMS, claim, numbers
+from tests.study.judge.test_claims import claim, numbers
 
 from study.judge import judge, verdicts
 from study.judge.judging import judged
 from study.judge.shares import NUMBERS, Share, separation, shares
 
 COLUMNS = ["claim", "contact", "scenario", "law", "draw", "alternative", "quantity", "value"]
-CASES = {"cases": ["a", "b"]}
+CASES = {"cases": ("a", "b")}
 
 
 def drawn(values, scenario="with", law="", alternative="", quantity="e"):
@@ -77,7 +77,7 @@ def test_draws_of_few_weighted_contacts_are_worth_fewer(size, expected):
 
 def test_a_law_without_numbers_is_named():
     other = with_share(400, 400, law="n = 0").assign(claim="C02")
-    claims = {"C01": claim(**CASES), "C02": claim(**CASES)}
+    claims = {"C01": claim(**CASES), "C02": claim("C02", **CASES)}
     both = shares(claims, pd.concat([with_share(400, 400), other]), contacts(400))
     assert both["C01"].in_words().endswith("none by n = 0: the numbers are of the ring force")
 
@@ -131,13 +131,11 @@ def test_the_share_decides_in_the_ledger_and_the_cases_are_examples():
     assert row["note"].startswith("Holds for 40 % (31 to 50) with, of the drawn contacts")
 
 
-def test_the_ledger_has_a_row_per_scenario(tmp_path):
-    path = tmp_path / "claims.yaml"
-    path.write_text(CLAIMS)
+def test_the_ledger_has_a_row_per_scenario(one):
     tables = {"claim_numbers": numbers(("C01", "", "e", 0.7))}
     draws = pd.concat([drawn([0.7, 0.7, 0.7, 0.1]), drawn([0.7], scenario="without")])
     tables |= {"claim_draws": draws, "posterior_contacts": contacts(4)}
-    rows = judge(tables, path)["claim_shares"]
+    rows = judge(tables)["claim_shares"]
     shares = rows[["id", "scenario", "share"]].to_numpy().tolist()
     assert shares == [["C01", "with", 0.75], ["C01", "without", 1.0]]
     assert ((rows["low"] < rows["share"]) & (rows["high"] <= 1.0)).all()

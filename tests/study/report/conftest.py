@@ -7,10 +7,8 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from study.figures.registry import filled
 from tests.shared import ROOT, made_once, require
 
-from study.declared.documents import load
 from study.report.check.results import read_text, table_files
 from study.report.site.build import write_site
 from study.report.site.record import Change, Record, write_record
@@ -58,13 +56,13 @@ def chromium(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def registry(settings):
-    """The words of all figures."""
-    return filled(load(ROOT / "config/figures.yaml"), settings.branches, settings.pairs)
+def entries(figures):
+    """What the report shows of every figure."""
+    return {name: figure.entry() for name, figure in figures.items()}
 
 
 @pytest.fixture(scope="session")
-def record(registry):
+def record(entries):
     """A run with one changed key, whose studies are all given the same rows."""
     rows = {"materials": ("silicon",), "printed": ("drop_height",)}
     return Record(
@@ -74,20 +72,20 @@ def record(registry):
         platform="Linux x86_64",
         packages={"numpy": "2.4.6", "snakemake": None},
         changes=(Change(key="fig17_coulomb_friction.points", shipped=360, used=36),),
-        figures=registry,
-        rows={entry["study"]: rows for entry in registry.values()},
+        figures=entries,
+        rows={entry["analysis"]: rows for entry in entries.values()},
     )
 
 
 @pytest.fixture(scope="session")
-def results(tmp_path_factory, registry):
+def results(tmp_path_factory, entries):
     """Results without a report: reference tables, figure data, pictures; nobody changes them."""
 
     def make(root):
         for file, path in table_files(REFERENCE).items():
             (root / file).parent.mkdir(parents=True, exist_ok=True)
             (root / file).write_text(read_text(path), encoding="utf-8", newline="")
-        for name in registry:
+        for name in entries:
             (root / f"figures/{name}.svg").write_text(SVG, encoding="utf-8")
             (root / f"figures/{name}.png").write_bytes(PNG)
             (root / f"figures/{name}.pdf").write_bytes(b"%PDF-1.4\n")

@@ -57,13 +57,6 @@ def test_a_changed_value_gives_another_verdict(setting, value, verdict, nowhere)
     assert ("a probe 0.5 mm high" in " ".join(text.split())) == (value == "0.5")
 
 
-def test_the_break_of_a_claim_changes_its_verdict(nowhere):
-    text = tell("C29", {}, nowhere, broken=True)
-    assert "Broken by: ring force 0, which must give: not reproduced" in text
-    assert "Verdict: not reproduced" in text
-    assert "Changed: contacts by {'work_of_adhesion': 0.0}" in text
-
-
 def test_studies_on_which_a_claim_rests_follow_the_change(nowhere):
     plain, doubled = (
         tell("C32", changed(settings), nowhere)
@@ -84,7 +77,6 @@ def test_a_claim_without_a_test_is_told(nowhere):
         (["C10O"], "'C10O' is no claim (did you mean 'C10'?)"),
         (["C04", "--set", "claim_numbers"], "--set: 'claim_numbers' must be of the form key=value"),
         (["C04", "--set", "claim_numbers.C4.x=1"], "claim_numbers.C4: unknown key (did you me"),
-        (["C14", "--break"], "C14: its break is a wrong form of the code: the printed inverse"),
         (["C04", "--set", "claim_numbers.C04=[}"], "--set: '[}' is no value that YAML knows"),
     ],
 )

@@ -92,11 +92,11 @@ def test_a_changed_input_is_one_row_however_often_it_is_used(baseline, tmp_path)
 
 def test_changed_and_added_files_are_named(baseline, tmp_path):
     other = results(tmp_path / "b")
-    files = {"figures.yaml": "a" * 64, "digitised/fig04.csv": "c" * 64}
-    for root, sums in ((baseline, {"figures.yaml": "b" * 64}), (other, files)):
+    files = {"laboratory.yaml": "a" * 64, "digitised/fig04.csv": "c" * 64}
+    for root, sums in ((baseline, {"laboratory.yaml": "b" * 64}), (other, files)):
         (root / "run.json").write_text(json.dumps({"files": sums}))
     assert told(compare(baseline, other).inputs) == [
-        ("figures.yaml", "value", "b" * 64, "a" * 64),
+        ("laboratory.yaml", "value", "b" * 64, "a" * 64),
         ("digitised/fig04.csv", "value", "", "c" * 64),
     ]
 

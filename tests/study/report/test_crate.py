@@ -22,9 +22,11 @@ STAMP = {
     "config": {"materials": "config/materials.csv", "digitised": "config/digitised", "seed": 1},
 }
 INPUTS = {
-    "config/analyses/models.yaml": "fig: {}\n",
+    "config/amendments.csv": "id\nC01\n",
+    "config/analyses/pile_up.yaml": "pile_up: {}\n",
     "config/config.yaml": "seed: 1\n",
     "config/digitised/fig14.csv": "x,y\n1,2\n",
+    "config/equations.yaml": "'1': {}\n",
     "config/laboratory.yaml": "particles: {}\n",
     "config/materials.csv": "material\nsteel\n",
 }
@@ -137,4 +139,4 @@ def test_the_declared_inputs_of_the_project_are_complete():
     from study.run.config import read_configuration
 
     paths = declared_inputs(read_configuration(ROOT / "config"), ROOT)
-    assert {"config/config.yaml", "config/materials.csv", "config/claims.yaml"} <= {*paths}
+    assert {"config/config.yaml", "config/materials.csv", "config/amendments.csv"} <= {*paths}

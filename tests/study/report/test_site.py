@@ -40,8 +40,8 @@ def pages(site):
     }
 
 
-def test_every_figure_has_a_page_and_every_link_and_anchor_leads_somewhere(site, pages, registry):
-    assert {f"figures/{name}.html" for name in registry} < set(pages)
+def test_every_figure_has_a_page_and_every_link_and_anchor_leads_somewhere(site, pages, entries):
+    assert {f"figures/{name}.html" for name in entries} < set(pages)
     assert {f"{name}.html" for name in PAGES} < set(pages)
     assert sum(len(page.links) for page in pages.values()) > 2000
     for name, page in pages.items():
@@ -116,7 +116,7 @@ def test_names_stay_text(few, results):
     marks.to_csv(root / "data/fig14.csv", index=False)
     inputs = {
         "file": ["config", "materials"],
-        "key": [f"restitution_trends.{evil}", f"{evil}.density"],
+        "key": [f"fig14_restitution_trends.{evil}", f"{evil}.density"],
     }
     (root / "tables").mkdir()
     for table, columns in (("inputs", inputs), ("claims", LEDGER_NUMBERS), ("equations", {})):
@@ -199,7 +199,7 @@ def test_a_claim_rests_on_the_departures_of_its_own_studies_alone():
         "claim_numbers.speed",
     )
     declared = [{"key": key, "overrides": "printed.x = 1"} for key in keys]
-    record = SimpleNamespace(figures={"fig25": {"study": "doe"}})
+    record = SimpleNamespace(figures={"fig25": {"analysis": "fig24_25_doe"}})
 
     def departing(**claim):
         behind = studies_behind({"figures": "", "inputs": "", **claim}, record)

@@ -44,18 +44,23 @@ def test_shipped_configuration_is_valid_and_every_number_has_evidence_and_source
         assert row.source, row.key
 
 
+def test_an_analysis_has_a_file_of_its_name():
+    files = (ROOT / "config/analyses").glob("*.yaml")
+    assert {path.stem: list(load(path)) for path in files} == {n: [n] for n in analyses.homes()}
+
+
 def test_values_are_plain_and_typed():
     branch = validate(BASE, BASE).branches["fig17_coulomb_friction"]
     assert branch["friction"] == [0.05, 0.10, 0.15, 0.20]
     assert isinstance(branch["points"], int)
-    one = validate(changed(coulomb_friction={"restitution": 1}), BASE)
+    one = validate(changed(fig17_coulomb_friction={"restitution": 1}), BASE)
     assert isinstance(one.branches["fig17_coulomb_friction"]["restitution"], float)
 
 
 def test_all_problems_are_listed():
     config = changed(
-        coulomb_friction={"restitution": 2, "frictoin": 1, "points": {"valu": 1, "source": "x"}},
-        restitution_trends={"points": "many"},
+        fig17_coulomb_friction={"restitution": 2, "frictoin": 1, "points": {"valu": 1, "source": "x"}},
+        fig14_restitution_trends={"points": "many"},
         sed=1,
         seed="many",
     )
@@ -73,9 +78,9 @@ def test_all_problems_are_listed():
 
 def test_a_missing_key_and_a_missing_branch_are_named():
     config = changed()
-    del config["coulomb_friction"]["points"], config["restitution_trends"]
+    del config["fig17_coulomb_friction"]["points"], config["fig14_restitution_trends"]
     assert lines(config) == [
-        "restitution_trends: missing",
+        "fig14_restitution_trends: missing",
         "fig17_coulomb_friction.points: missing",
     ]
 
@@ -88,12 +93,12 @@ def declared(config, key):
 def test_a_bare_number_and_a_changed_value_are_the_users():
     key = "fig17_coulomb_friction.spin_friction"
     assert declared(BASE, key).evidence == "printed"
-    assert declared(changed(coulomb_friction={"spin_friction": 0.3}), key).evidence == "user"
+    assert declared(changed(fig17_coulomb_friction={"spin_friction": 0.3}), key).evidence == "user"
     inside = copy.deepcopy(BASE)
-    inside["coulomb_friction"]["spin_friction"]["value"] = 0.3
+    inside["fig17_coulomb_friction"]["spin_friction"]["value"] = 0.3
     assert declared(inside, key).evidence == "user"
     own = {"value": 0.3, "evidence": "assumed", "source": "mine"}
-    assert declared(changed(coulomb_friction={"spin_friction": own}), key).source == "mine"
+    assert declared(changed(fig17_coulomb_friction={"spin_friction": own}), key).source == "mine"
 
 
 def test_a_parameter_follows_the_printed_value_that_it_names(tmp_path):
@@ -113,8 +118,7 @@ def validator(name):
 
 def test_shipped_files_meet_the_schemas():
     validator("config").validate(BASE)
-    for name in ("figures", "claims", "equations"):
-        validator(name).validate(load(ROOT / f"config/{name}.yaml"))
+    validator("equations").validate(load(ROOT / "config/equations.yaml"))
     overlays = [ROOT / "config/ci.yaml", *(ROOT / "config/examples").glob("*.yaml")]
     assert len(overlays) > 3
     for path in overlays:

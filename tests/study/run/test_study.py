@@ -21,14 +21,14 @@ def test_arrays_are_taken_as_lists():
 @pytest.mark.parametrize(
     ("name", "changes", "told"),
     [
-        ("force_histroy", {}, "'force_histroy' is no study .did you mean 'force_history'"),
+        ("fig20_force_histroy", {}, "'fig20_force_histroy' is no study .did you mean 'fig20_force_history'"),
         (3, {}, "3 is no study"),
-        ("force_history", {"diameter": 3}, "fig20_force_history.diameter: unknown key"),
-        ("force_history", {"diameter_um": -3}, "diameter_um: -3 must be greater than 0"),
-        ("force_history", {"diameter_um": 4.9e-6}, "4.9e-06 um must be from 0.001 to 5000 um"),
-        ("force_history", {"diameter_um": None}, "fig20_force_history.diameter_um: missing"),
-        ("force_history", {"diameter_um": {1, 2}}, "must be a number, a text, a list"),
-        ("force_history", {"particles": {}}, "particles: is shared by all studies: an overlay"),
+        ("fig20_force_history", {"diameter": 3}, "fig20_force_history.diameter: unknown key"),
+        ("fig20_force_history", {"diameter_um": -3}, "diameter_um: -3 must be greater than 0"),
+        ("fig20_force_history", {"diameter_um": 4.9e-6}, "4.9e-06 um must be from 0.001 to 5000 um"),
+        ("fig20_force_history", {"diameter_um": None}, "fig20_force_history.diameter_um: missing"),
+        ("fig20_force_history", {"diameter_um": {1, 2}}, "must be a number, a text, a list"),
+        ("fig20_force_history", {"particles": {}}, "particles: is shared by all studies: an overlay"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(name, changes, told):
@@ -47,6 +47,6 @@ def test_parameters_are_no_tables(given):
 def test_what_an_example_changes_can_be_calibrated(name):
     overlay = load(ROOT / f"config/examples/{name}.yaml")
     del overlay["pathvars"]
-    tables = Made("force_history", overlay)
+    tables = Made("fig20_force_history", overlay)
     assert tables.moved("calibration") == (name == "large-spheres")
     assert "fluorescein-molybdenum, greatest" in set(tables["calibration"]["case"])
