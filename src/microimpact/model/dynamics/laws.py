@@ -36,11 +36,12 @@ CLOSED, PULL_OFF, BROKEN = 4.0, 3.0, 1.0
 # is the cube of it.
 BACKWARD_START = 1e-6
 
-# A share of the work of adhesion that is lost in its rounding.
-LEAST_EXCESS = 1e-15
-# Logarithms of a capture velocity over that of JKR: the largest one sought, the first one tried, and
-# the error.
-LARGEST_LOG_RATIO, LOG_RATIO, LOG_ERROR = 64.0, 1.0, 1e-10
+# An edge that adds a smaller share x to the work of adhesion is too fast to matter: the break is
+# late by x^(2/(2 + m)).
+LEAST_EXCESS = 1e-20
+# Logarithms of a capture velocity over that of JKR: the least, the first and the largest one tried,
+# and the error.
+LOG_RATIOS, LOG_ERROR = (-0.01, 1.0, 32.0), 1e-10
 
 # Beyond this drag a rebound would keep less than 1e-14 of its speed, and takes too many steps.
 LARGEST_DRAG = 1e3
@@ -500,10 +501,11 @@ def _parts_at_rest(problem: Problem, least: FloatArray) -> FloatArray:
         return _left(Problem(**dict(zip(columns, values, strict=True)) | {"speed": speed}))
 
     given = least, *columns.values()
-    low, high = np.full_like(least, -LOG_ERROR), np.full_like(least, LOG_RATIO)
-    while np.any(short := (left(high, *given) <= 0.0) & (high < LARGEST_LOG_RATIO)):
+    lowest, first, largest = LOG_RATIOS
+    low, high = np.full_like(least, lowest), np.full_like(least, first)
+    while np.any(short := left(high, *given) <= 0.0) and np.max(high) < largest:
         low, high = np.where(short, high, low), np.where(short, 2.0 * high, high)
-    there = high < LARGEST_LOG_RATIO
+    there = ~short
     ratio = np.full_like(least, np.inf)
     ends = (each[there] for each in (low, high, *given))
     ratio[there] = roots(left, *ends, absolute=LOG_ERROR)

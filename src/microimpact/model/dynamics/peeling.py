@@ -32,15 +32,16 @@ PARTED, TURNED, FAILED = 0.0, 1.0, 2.0
 
 # Most Euler steps in one of the integration, the number aimed at, and the error of one step in a
 # and v; that of z, which errors of a and v follow, may be this much larger.
-COLUMNS, AIM, TOLERANCE, LOOSER = 12, 9, 1e-10, 1e4
+COLUMNS, AIM, TOLERANCE, LOOSER = 12, 9, 1e-10, 1e3
 # A step that changes the sign of the force ends where it is this small: v is level there.
 LEVEL = 1e-5
 # Beginning, in units of the time T, and end, as a share of the first radius: their neglected terms
 # are below the tolerance.
 BEGINNING, END = 1e-6, 3e-3
 MAX_STEPS = 20_000
-# Share of its typical value to which z falls only where the contact closes again.
-CLOSING = 1e-3
+# Share of its typical value to which z falls only where the contact closes again, and that of the
+# greatest speed which is none.
+CLOSING, STILL = 1e-3, 1e-10
 
 _jit = jit()
 _jit_inline = jit(inline="always")
@@ -133,8 +134,9 @@ def _energy(a, y, v, beta):  # type: ignore[no-untyped-def]
 def integrate(problems: FloatArray, through: bool, results: FloatArray) -> None:
     """Follow every row of ``problems`` into the same row of ``results``.
 
-    To the break, or to where the sphere turns again; or ``through`` that, to the break or to where
-    the contact closes again: then the speed, negative, tells how far a rebound is.
+    To the break, or to where the sphere turns again; or ``through`` that, to the break, to where
+    the contact closes again or the sphere turns once more: then the speed at the break, negative,
+    tells how far a rebound is.
     """
     table, scale = np.zeros((COLUMNS, 5)), np.zeros(3)
     for row in range(problems.shape[0]):
@@ -176,6 +178,7 @@ def integrate(problems: FloatArray, through: bool, results: FloatArray) -> None:
                     tried, tried_force = step, new_force
                     step = max(step - new_force / slope, 0.1 * step)
                     continue
+            turns = v < 0.0 <= new_v
             result[RISE] += max(new_v - v, 0.0)
             a, z, v, force = new_a, new_z, new_v, new_force
             tried, tried_force = 0.0, force
@@ -187,8 +190,9 @@ def integrate(problems: FloatArray, through: bool, results: FloatArray) -> None:
             if a < END * top:
                 status = PARTED
                 break
-            closes = z < CLOSING * typical if through else v < 0.0
-            if (v < 0.0 and closes) or _energy(a, y, v, beta) < 0.0:
+            still = STILL * result[HIGHEST_V]
+            turns |= v < still and (v > -still or z < CLOSING * typical or not through)
+            if turns or _energy(a, y, v, beta) < 0.0:
                 status = TURNED
                 break
         if status == PARTED:

@@ -35,7 +35,7 @@ EVERY = [
     JKR(viscous_time=3e-9),
     ThorntonNing(yield_pressure=2e9),
     Hysteresis(unloading_work=4.0),
-    MaugisBarquins(edge_speed=20.0, edge_exponent=1.5, viscous_time=1e-9),
+    MaugisBarquins(edge_speed=20.0, edge_exponent=0.7, viscous_time=1e-9),
 ]
 every_law = pytest.mark.parametrize("law", EVERY, ids=lambda law: f"{law.name}{law.parameters}")
 
