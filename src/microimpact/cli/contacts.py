@@ -89,9 +89,11 @@ _BODIES = [
 ]
 # Parameters of other laws of the normal force: options, factors to SI, and words.
 _LAW_NUMBERS = {
-    "viscous_time": ("viscous-time-ns", 1e-9, "Of jkr: relaxation time A of the bulk, ns."),
+    "viscous_time": ("viscous-time-ns", 1e-9, "Of jkr and maugis-barquins: A of the bulk, ns."),
     "yield_pressure": ("yield-pressure-gpa", 1e9, "Of thornton-ning: p_y, GPa."),
     "unloading_work": ("unloading-work", 1.0, "Of hysteresis: work of separation, J/m2."),
+    "edge_speed": ("edge-speed", 1.0, "Of maugis-barquins: c that doubles the work, m/s."),
+    "edge_exponent": ("edge-exponent", 1.0, "Of maugis-barquins: m of the work over the speed."),
 }
 _basis_option = click.option(
     "--friction-basis",

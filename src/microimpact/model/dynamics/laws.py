@@ -195,9 +195,12 @@ def _peeled(problem: Problem) -> ScaledOutcome:
     back[:, peeling.STATUS] = peeling.TURNED
     back[turned] = separated(problem.select(turned), top[turned])
     captured = back[:, peeling.STATUS] == peeling.TURNED
-    speed = np.where(captured, 0.0, back[:, peeling.SPEED])
     approach = 0.5 * v**2 + energy(closed, b) - energy(top, b)
     bulk = np.where(drag > 0.0, approach + np.where(captured, 0.0, back[:, peeling.BULK]), 0.0)
+    # JKR loses least at the edge; errors of integration are not to make it less.
+    snap = energy(np.cbrt(b), b) - energy(closed, b)
+    most = np.sqrt(np.maximum(v**2 - 2.0 * (bulk + snap), 0.0))
+    speed = np.where(captured, 0.0, np.minimum(back[:, peeling.SPEED], most))
     turning = closing[:, viscous.TURNING_TIME]
     return ScaledOutcome(
         captured=captured,
@@ -509,7 +512,7 @@ def _parts_at_rest(problem: Problem, least: FloatArray) -> FloatArray:
     ratio = np.full_like(least, np.inf)
     ends = (each[there] for each in (low, high, *given))
     ratio[there] = roots(left, *ends, absolute=LOG_ERROR)
-    return least * np.exp(ratio)
+    return least * np.exp(ratio - LOG_ERROR)  # of two neighbours the one that captures
 
 
 def _left(problem: Problem) -> FloatArray:

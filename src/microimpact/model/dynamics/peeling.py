@@ -157,7 +157,8 @@ def integrate(problems: FloatArray, through: bool, results: FloatArray) -> None:
         v = force * time
         steady = (v / ((2.0 * top - 0.5 * y / top) * edge)) ** exponent
         z = min(0.5 * force * time * time / y, steady / (1.0 + math.sqrt(1.0 + steady)))
-        step, status, tried, tried_force = 1e2 * time, FAILED, 0.0, force
+        step, status = 1e2 * time, FAILED
+        before, beyond, tried, tried_force = 0.0, math.inf, 0.0, force
         result[RISE] = result[HIGHEST_V] = v
         for _ in range(MAX_STEPS):
             # As the radius falls, so does what z does to v.
@@ -167,21 +168,22 @@ def integrate(problems: FloatArray, through: bool, results: FloatArray) -> None:
             )
             if column < 0:
                 step *= max(0.1, 0.7 * error ** (1.0 / column)) if error < math.inf else 0.25
-                tried, tried_force = 0.0, force
+                before, beyond, tried, tried_force = 0.0, math.inf, 0.0, force
                 continue
             new_a, new_z, new_v = table[0, 0], table[0, 1], table[0, 2]
             y = 4.0 * beta * math.sqrt(new_a) * (1.0 + new_z)
             new_force = new_a * (new_a * new_a - 1.5 * y - drag * new_v)
-            if (new_force > 0.0) != (force > 0.0) or tried > 0.0:
-                if abs(new_force) > smallest:
-                    slope = (new_force - tried_force) / (step - tried)
-                    tried, tried_force = step, new_force
-                    step = max(step - new_force / slope, 0.1 * step)
-                    continue
+            crosses = (new_force > 0.0) != (force > 0.0)
+            if (crosses or beyond < math.inf) and abs(new_force) > smallest:
+                before, beyond = (before, step) if crosses else (step, beyond)
+                secant = step - new_force * (step - tried) / (new_force - tried_force)
+                tried, tried_force = step, new_force
+                step = secant if before < secant < beyond else 0.5 * (before + beyond)
+                continue
             turns = v < 0.0 <= new_v
             result[RISE] += max(new_v - v, 0.0)
             a, z, v, force = new_a, new_z, new_v, new_force
-            tried, tried_force = 0.0, force
+            before, beyond, tried, tried_force = 0.0, math.inf, 0.0, force
             time += table[0, 3]
             result[BULK] += table[0, 4]
             result[HIGHEST_V] = max(result[HIGHEST_V], v)

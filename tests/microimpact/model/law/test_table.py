@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
+from microimpact.model.contact_laws import JKR, Hysteresis, MaugisBarquins, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
@@ -182,6 +182,7 @@ LAWS = (
     JKR(viscous_time=3e-9),
     ThorntonNing(yield_pressure=2e9),
     Hysteresis(unloading_work=4.0),
+    MaugisBarquins(edge_speed=0.5, edge_exponent=0.96),
 )
 
 
