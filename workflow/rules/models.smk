@@ -38,6 +38,19 @@ use rule study as size_law with:
         **parameters("size_law"),
 
 
+use rule study as edge_speed with:
+    """tables/edge_speed.csv: plateau, capture velocity and size by an edge that opens by its speed."""
+    input:
+        **tables("calibration"),
+    output:
+        **tables("edge_speed"),
+        **data("edge_speed_plateau", "edge_speed_curves"),
+    pathvars:
+        study="edge_speed",
+    params:
+        **parameters("edge_speed"),
+
+
 use rule study as restitution_trends with:
     """data/fig14.csv: R, rho and e against the impact speed (Eqs. 32-34)."""
     output:

@@ -167,7 +167,8 @@ def integrate(problems: FloatArray, through: bool, results: FloatArray) -> None:
                 a, z, v, step, problem, unit * edge, 1.0 / unit, scale, table
             )
             if column < 0:
-                step *= max(0.1, 0.7 * error ** (1.0 / column)) if error < math.inf else 0.25
+                # Without an error a or z had left the positive numbers.
+                step *= max(0.1, 0.7 * error ** (1.0 / column)) if 1.0 < error < math.inf else 0.25
                 before, beyond, tried, tried_force = 0.0, math.inf, 0.0, force
                 continue
             new_a, new_z, new_v = table[0, 0], table[0, 1], table[0, 2]
