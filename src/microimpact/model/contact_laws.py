@@ -30,7 +30,9 @@ class ContactLaw(Readable):
         Raises TypeError, ValueError if one is not a number, or out of range.
         """
         for name, value in self.parameters.items():
-            object.__setattr__(self, name, checked(f"law.{name}", value, self.admissible.get(name, POSITIVE)))
+            object.__setattr__(
+                self, name, checked(f"law.{name}", value, self.admissible.get(name, POSITIVE))
+            )
 
     @property
     def parameters(self) -> dict[str, Real]:
@@ -92,7 +94,7 @@ class Hysteresis(ContactLaw):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class MaugisBarquins(JKR):
-    """JKR contact whose edge opens the slower, the more work it is given (Maugis and Barquins 1978).
+    """JKR contact whose edge needs the more work, the faster it opens (Maugis and Barquins 1978).
 
     The contact closes by the contact's work of adhesion w. While its radius a falls, the work of
     separation is ``w (1 + (|da/dt|/c)^m)``; radius and compression are then independent.

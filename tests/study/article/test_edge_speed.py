@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from study.studies.models.edge_speed import PRINTED
+from study.studies.models.edge_speed import ALLOWED, PRINTED
 
 
 @pytest.fixture(scope="module")
-def made(run_study):
+def edges(run_study):
     return run_study("edge_speed", edge_exponents=[0.5, 0.96, 1.5], points=5)
 
 
-def test_edge_and_bulk_meet_what_is_printed(made):
-    rows = made["edge_speed"].set_index(["capture_velocity", "edge_exponent"])
+def test_edge_and_bulk_meet_what_is_printed(edges):
+    rows = edges["edge_speed"].set_index(["capture_velocity", "edge_exponent"])
     printed = rows.loc["printed"]
     assert printed["v_c_m_per_s"].to_numpy() == pytest.approx(0.18, rel=1e-6)
     assert printed["restitution"].loc[[0.5, 0.96]].to_numpy() == pytest.approx(0.70, abs=1e-6)
@@ -30,10 +30,11 @@ def test_edge_and_bulk_meet_what_is_printed(made):
     assert (flat["v_c_m_per_s"] < 0.18).all()
 
 
-def test_the_figure_has_a_curve_for_every_exponent(made):
-    falls, curves = made["edge_speed_plateau"], made["edge_speed_curves"]
-    assert set(falls["series"]) == {PRINTED, "m = 0.5", "m = 0.96", "m = 1.5"}
-    assert set(curves["series"]) == set(falls["series"])
+def test_the_figure_has_a_curve_for_every_exponent(edges):
+    falls, curves = edges["edge_speed_plateau"], edges["edge_speed_curves"]
+    exponents = {"m = 0.5", "m = 0.96", "m = 1.5"}
+    assert set(falls["series"]) == {ALLOWED, *exponents}
+    assert set(curves["series"]) == {PRINTED, *exponents}
     slow = curves[curves["x_m_per_s"] < 0.18]
     assert not slow["y_1"].any()
     assert np.all(falls[falls["series"] == "m = 0.96"]["y_1"].diff().dropna() > 0.0)

@@ -177,7 +177,9 @@ def _peeling(start: Values, b: float, drag: float, edge: float, exponent: float)
         columns = -speed, -force, np.ones_like(a), v, np.maximum(force, 0.0), loosening
         return np.stack([time * column for column in columns])
 
-    return _followed((*start, 0.0), rates, forces, PARTED * start[0], ERRORS | {"method": "LSODA"})[0]
+    return _followed((*start, 0.0), rates, forces, PARTED * start[0], ERRORS | {"method": "LSODA"})[
+        0
+    ]
 
 
 def _followed(

@@ -130,8 +130,9 @@ def scaled(contact: Contact, speed: Real) -> tuple[Problem, Scales, tuple[int, .
     pressure = law.yield_pressure if isinstance(law, ThorntonNing) else np.inf
     time = law.viscous_time if isinstance(law, JKR) else 0.0
     closed = np.sqrt(cube * closing / unit**3)
-    peels = isinstance(law, MaugisBarquins)
-    edge, exponent = (law.edge_speed, law.edge_exponent) if peels else (np.inf, 1.0)
+    edge: tuple[Real, Real] = (np.inf, 1.0)
+    if isinstance(law, MaugisBarquins):
+        edge = law.edge_speed, law.edge_exponent
     drag = 1.5 * flat(time) * unit_speed / length
     stiff = (drag > LARGEST_DRAG) & (drag * np.cbrt(closed) <= viscous.OVERDAMPED)
     if np.any(stiff):
@@ -145,8 +146,8 @@ def scaled(contact: Contact, speed: Real) -> tuple[Problem, Scales, tuple[int, .
         opening=np.sqrt(cube * opening / unit**3),
         pressure=np.pi * flat(pressure) * radius / (stiffness * unit),
         drag=drag,
-        edge_speed=flat(edge) * unit / (radius * unit_speed),
-        edge_exponent=flat(exponent),
+        edge_speed=flat(edge[0]) * unit / (radius * unit_speed),
+        edge_exponent=flat(edge[1]),
     )
     return problem, Scales(length, unit_speed, mass), shape
 

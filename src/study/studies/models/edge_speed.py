@@ -2,8 +2,8 @@
 
 The law has a work of adhesion w_0 that real surfaces have, and two numbers for the edge; the bulk
 may lose energy, too. For every exponent m and capture velocity the speed c of the edge and the time
-A of the bulk are solved for, so that v_c and the printed restitution at the high speed hold: what is
-left to judge are the plateau and the exponent of the diameter, which m alone determines.
+A of the bulk are solved for, so that v_c and the printed restitution at the high speed hold: what
+is left to judge are the plateau and the exponent of the diameter.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ NEEDS = {"calibration": ("calibration",)}
 LOG_C, LOG_A, ERROR = (-60.0, 20.0), (-30.0, -18.0), {"absolute": 1e-7}
 # Relative step of a diameter, and speeds of a curve.
 STEP, SPEEDS = 1e-2, 60
-PRINTED = "as printed"
+PRINTED, ALLOWED = "as printed", "roughly constant"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +41,7 @@ class Params:
     """What the article prints of a contact, and the edges tried."""
 
     case: CaseName
-    work_of_adhesion_J_per_m2: Positive
+    work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
     edge_exponents: Annotated[tuple[Positive, ...], Field(min_length=2), Ascending]
     speed_m_per_s: Positive
     restitution: Fraction
@@ -72,7 +72,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     fall_frame = partial(series_frame, "plateau", x_unit="m_per_s", y_unit="1")
     curve_frame = partial(series_frame, "restitution", x_unit="m_per_s", y_unit="1")
     rows = []
-    falls = [fall_frame(PRINTED, limits[[0, -1]], [params.plateau_within] * 2, "assumed")]
+    falls = [fall_frame(ALLOWED, limits[[0, -1]], [params.plateau_within] * 2, "computed")]
     curves = [curve_frame(PRINTED, ends, [params.restitution] * 2, "printed")]
     for exponent in params.edge_exponents:
         contact = solved(params, bare, exponent, limits)

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from microimpact.model.closed_forms import contact_modulus
 from microimpact.model.contact import Contact
@@ -167,7 +166,7 @@ def test_three_groups_make_an_impact(build, steel, silicon):
     """Speed over the adhesive one, edge speed over its own, and m; and A over the time."""
     one = build(edge(0.3, 0.8, 1e-9), 0.2)
     other = build(edge(0.3, 0.8), 0.05, particle=silicon, surface=steel, diameter=9e-6)
-    # The adhesive speed V and compression n make a time n/V and the speed V (R/n)^(1/2) of the edge.
+    # Adhesive speed V and compression n make a time n/V and a speed V (R/n)^(1/2) of the edge.
     units = [
         (c.velocity_scale, c.velocity_scale * math.sqrt(c.hertz_radius / c.equilibrium_compression))
         for c in (one, other)
