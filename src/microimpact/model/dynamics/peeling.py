@@ -125,7 +125,7 @@ def _extrapolate(a0, z0, v0, step, problem, pace, inverse, scale, table):  # typ
 
 @_jit_inline
 def _energy(a, y, v, beta):  # type: ignore[no-untyped-def]
-    """Kinetic, elastic and surface energy; only that of a captured sphere becomes negative."""
+    """Kinetic, elastic and surface energy; negative only where the sphere stays."""
     flat = 2.0 / 3.0 * a * a - y
     return 0.5 * v * v + 0.75 * a * flat * flat + a**5 / 15.0 - 6.0 * beta * beta * a * a
 

@@ -106,8 +106,8 @@ def solved(params: Params, bare: Contact, exponent: float, limits: FloatArray) -
 
     def holds(log_a: FloatArray, limit: FloatArray) -> Contact:
         def excess(log_c: FloatArray, log_a: FloatArray, limit: FloatArray) -> FloatArray:
-            found = capture_velocity(edge(params, bare, exponent, np.exp(log_c), np.exp(log_a)))
-            return -np.arctan(np.log(found / limit))
+            contact = edge(params, bare, exponent, np.exp(log_c), np.exp(log_a))
+            return -np.arctan(np.log(capture_velocity(contact) / limit))
 
         low, high = (np.full_like(limit, end) for end in LOG_C)
         c = np.exp(roots(excess, low, high, log_a, limit, **ERROR))
@@ -125,7 +125,7 @@ def solved(params: Params, bare: Contact, exponent: float, limits: FloatArray) -
 
 
 def row(params: Params, contact: Contact, kind: str, exponent: float) -> Row:
-    """Describe one contact: the edge, and what it says of plateau and size."""
+    """Describe one contact: the edge, its plateau and its exponent of the diameter."""
     law = contact.law
     assert isinstance(law, MaugisBarquins)
     limit = float(capture_velocity(contact))
