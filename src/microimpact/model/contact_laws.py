@@ -126,6 +126,11 @@ NAMES = (RING_FORCE, *(law.name for law in LAWS))
 PARAMETERS = {field.name: law for law in reversed(LAWS) for field in fields(law)}
 
 
+def _required(law: type[ContactLaw]) -> list[str]:
+    """Return the parameters of a law that have no default."""
+    return [field.name for field in fields(law) if field.default is MISSING]
+
+
 def named_law(name: str, parameters: Mapping[str, Real]) -> ContactLaw | None:
     """Return a law by name, with the parameters that are given; None is the ring force.
 
@@ -136,7 +141,8 @@ def named_law(name: str, parameters: Mapping[str, Real]) -> ContactLaw | None:
     if foreign:
         owner = PARAMETERS[foreign[0]].name
         raise ValueError(f"law {name!r} does not know {foreign[0]}: that is of {owner!r}")
-    return contact_law(law(**parameters) if law and parameters else name)
+    complete = law is not None and set(_required(law)) <= set(parameters)
+    return contact_law(law(**parameters) if law and complete else name)
 
 
 def contact_law(value: object) -> ContactLaw | None:
@@ -150,8 +156,7 @@ def contact_law(value: object) -> ContactLaw | None:
         return JKR()
     for law in LAWS:
         if value == law.name:
-            names = [f"{field.name}=..." for field in fields(law) if field.default is MISSING]
-            needed = ", ".join(names)
+            needed = ", ".join(f"{name}=..." for name in _required(law))
             raise ValueError(f"law {value!r} needs its parameters: law={law.__name__}({needed})")
     if isinstance(value, str):
         raise ValueError(f"law must be one of {', '.join(map(repr, NAMES))}, got {value!r}")
