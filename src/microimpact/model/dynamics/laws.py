@@ -504,14 +504,14 @@ def _parts_at_rest(problem: Problem, least: FloatArray) -> FloatArray:
         speed = least * np.exp(log_ratio)
         return _left(Problem(**dict(zip(columns, values, strict=True)) | {"speed": speed}))
 
-    given = least, *columns.values()
+    rows = least, *columns.values()
     lowest, first, largest = LOG_RATIOS
     low, high = np.full_like(least, lowest), np.full_like(least, first)
-    while np.any(short := left(high, *given) <= 0.0) and np.max(high) < largest:
+    while np.any(short := left(high, *rows) <= 0.0) and np.max(high) < largest:
         low, high = np.where(short, high, low), np.where(short, 2.0 * high, high)
     there = ~short
     ratio = np.full_like(least, np.inf)
-    ends = (each[there] for each in (low, high, *given))
+    ends = (each[there] for each in (low, high, *rows))
     ratio[there] = roots(left, *ends, absolute=LOG_ERROR)
     return least * np.exp(ratio - LOG_ERROR)  # of two neighbours the one that captures
 

@@ -38,7 +38,7 @@ PRINTED, ALLOWED = "as printed", "roughly constant"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """What the article prints of a contact, and the edges tried."""
+    """Printed numbers of a contact, and the edges tried."""
 
     case: CaseName
     work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
@@ -53,7 +53,7 @@ class Params:
 
 
 def run(params: Params, inputs: Tables) -> Tables:
-    """Solve for edge and bulk, and judge what is left.
+    """Solve for edge and bulk, and judge plateau and size.
 
     ``edge_speed``: by exponent m, at the printed capture velocity and at the greatest at which the
     plateau holds. ``edge_speed_plateau``, ``edge_speed_curves``: data of the figure.
