@@ -204,7 +204,7 @@ def test_a_table_over_sizes_by_another_law_is_integration(contact, law):
     assert np.count_nonzero(slides) > 500
     error = np.abs(found.impulse_ratio / expected.impulse_ratio - 1.0)[slides]
     assert np.all(error <= 2.0 * found.interpolation_error[slides])
-    with pytest.raises(ValueError, match="'pull-off' (is not in a table|does not go with)"):
+    with pytest.raises(ValueError, match=r"'pull-off' (is not in a table|does not go with)"):
         table.simulate(1.0, 60.0, friction_basis="pull-off")
 
 
