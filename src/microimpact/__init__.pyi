@@ -6,6 +6,7 @@ from .model import Contact as Contact
 from .model import Hysteresis as Hysteresis
 from .model import Impact as Impact
 from .model import Law as Law
+from .model import MaugisBarquins as MaugisBarquins
 from .model import SpatialImpact as SpatialImpact
 from .model import ThorntonNing as ThorntonNing
 from .model import Trajectory as Trajectory

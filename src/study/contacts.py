@@ -14,7 +14,13 @@ from microimpact.core.arrays import Real
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact, resized
-from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
+from microimpact.model.contact_laws import (
+    JKR,
+    ContactLaw,
+    Hysteresis,
+    MaugisBarquins,
+    ThorntonNing,
+)
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
 from study.declared.parameters import InferredName, LawName, ScenarioName
 from study.declared.selection import IMPACT
@@ -33,7 +39,7 @@ DRAWN = {
 
 
 # Laws of contact.
-Kind = Literal["ring force", "jkr", "thornton-ning", "hysteresis"]
+Kind = Literal["ring force", "jkr", "thornton-ning", "hysteresis", "maugis-barquins"]
 # Printed numbers have two or three digits.
 DIGITS = 0.01
 CAPTURE_VELOCITIES = (
@@ -259,6 +265,12 @@ def of_kind(bare: Contact, kind: Kind, parameters: Mapping[str, Real]) -> Contac
     law: ContactLaw
     if kind == "jkr":
         law = JKR(viscous_time=parameters["viscous_time_ns"] * 1e-9)
+    elif kind == "maugis-barquins":
+        law = MaugisBarquins(
+            edge_speed=parameters["edge_speed_m_per_s"],
+            edge_exponent=parameters["edge_exponent"],
+            viscous_time=parameters["viscous_time_ns"] * 1e-9,
+        )
     elif kind == "thornton-ning":
         law = ThorntonNing(yield_pressure=parameters["yield_pressure_GPa"] * 1e9)
     else:

@@ -236,6 +236,19 @@ use rule analysis as declared_inputs with:
         **parameters("declared_inputs"),
 
 
+use rule analysis as edge_speed with:
+    """tables/edge_speed.csv: plateau, capture velocity and size by an edge that opens by its speed."""
+    input:
+        **tables("calibration"),
+    output:
+        **tables("edge_speed"),
+        **data("edge_speed_plateau", "edge_speed_curves"),
+    pathvars:
+        analysis="edge_speed",
+    params:
+        **parameters("edge_speed"),
+
+
 use rule analysis as external_evidence with:
     """tables/external_evidence.csv: facts that others found beside what the model gives."""
     input:

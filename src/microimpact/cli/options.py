@@ -57,9 +57,15 @@ NUMBERS = {
     )
 }
 LAW_NUMBERS = {
-    "law.viscous_time": ("viscous-time-ns", 1e-9, "Of jkr: relaxation time A of the bulk, ns."),
+    "law.viscous_time": ("viscous-time-ns", 1e-9, "Of jkr and maugis-barquins: A of the bulk, ns."),
     "law.yield_pressure": ("yield-pressure-gpa", 1e9, "Of thornton-ning: p_y, GPa."),
     "law.unloading_work": ("unloading-work", 1.0, "Of hysteresis: work of separation, J/m2."),
+    "law.edge_speed": ("edge-speed", 1.0, "Of maugis-barquins: c that doubles the work, m/s."),
+    "law.edge_exponent": (
+        "edge-exponent",
+        1.0,
+        "Of maugis-barquins: m of the work over the speed.",
+    ),
 }
 _ALL = NUMBERS | LAW_NUMBERS
 _WORDS = ("particle", "surface", "file", "materials", "law", "stiffness_model")

@@ -161,7 +161,7 @@ _UNITS = {
     "m/s": (
         *("v", "v_n", "v_t", "v_c", "speed", "velocity", "reference_velocity", "slowest"),
         *("fastest", "high_speed", "capture_speed", "k", "kappa"),
-        *("normal_velocity", "tangential_velocity", "slip"),
+        *("normal_velocity", "tangential_velocity", "slip", "law.edge_speed"),
     ),
     "rad/s": ("omega", "spin", "partner_spin"),
     "degree": ("angle", "tilt"),

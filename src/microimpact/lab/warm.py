@@ -20,7 +20,7 @@ from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.system import ImagingSystem, Setup, Systematics
 from microimpact.lab.surface import rough
 from microimpact.model.contact import Contact
-from microimpact.model.contact_laws import JKR
+from microimpact.model.contact_laws import JKR, MaugisBarquins
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.empirical.comparison import compare_models
@@ -43,7 +43,8 @@ def main() -> None:
 def _use_others() -> None:
     """Use fits, another law of contact and instruments."""
     speed, impacts, rng = np.geomspace(1.0, 10.0, 8), _impacts(), np.random.default_rng(1)
-    simulate(CONTACT.by_law(JKR(viscous_time=1e-9), 0.1), speed)
+    for law in (JKR(viscous_time=1e-9), MaugisBarquins(edge_speed=1.0, edge_exponent=1.0)):
+        simulate(CONTACT.by_law(law, 0.1), speed)
     compare_models(speed, 0.8 - 0.1 / speed, 0.01)
     probe: Any = SimpleNamespace(probe_across_um=100.0, probe_along_um=100.0)
     pdpa.passages(impacts, 1e-3, probe)

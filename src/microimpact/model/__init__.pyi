@@ -1,6 +1,7 @@
 from .contact import Contact as Contact
 from .contact_laws import JKR as JKR
 from .contact_laws import Hysteresis as Hysteresis
+from .contact_laws import MaugisBarquins as MaugisBarquins
 from .contact_laws import ThorntonNing as ThorntonNing
 from .dynamics.capture import capture_velocity as capture_velocity
 from .dynamics.impact import Impact as Impact

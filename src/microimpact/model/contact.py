@@ -162,8 +162,9 @@ class Contact(Readable):
         Whether adhesion is damped during approach too (the article: no).
     law
         Law of the normal force: ``"ring force"`` (the article's), or a record of another one from
-        `microimpact.model.contact_laws`: `JKR`, `ThorntonNing` or `Hysteresis`. These take
-        ``work_of_adhesion`` and have losses of their own, so none of the damping above.
+        `microimpact.model.contact_laws`: `JKR`, `ThorntonNing`, `Hysteresis` or
+        `MaugisBarquins`. These take ``work_of_adhesion`` and have losses of their own, so none of
+        the damping above.
 
     Attributes
     ----------

@@ -7,7 +7,7 @@ adhesion and the materials of its `Contact`; what it does is in `microimpact.mod
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from typing import ClassVar
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Range, Real, checked
@@ -21,7 +21,8 @@ class ContactLaw(Readable):
     """A law of the normal force; its parameters may be arrays, as the fields of a contact."""
 
     name: ClassVar[str] = ""
-    admissible: ClassVar[Range] = POSITIVE
+    # Ranges of parameters; of the others all positive numbers.
+    admissible: ClassVar[Mapping[str, Range]] = {}
 
     def __post_init__(self) -> None:
         """Check the parameters.
@@ -29,7 +30,9 @@ class ContactLaw(Readable):
         Raises TypeError, ValueError if one is not a number, or out of range.
         """
         for name, value in self.parameters.items():
-            object.__setattr__(self, name, checked(f"law.{name}", value, self.admissible))
+            object.__setattr__(
+                self, name, checked(f"law.{name}", value, self.admissible.get(name, POSITIVE))
+            )
 
     @property
     def parameters(self) -> dict[str, Real]:
@@ -51,7 +54,7 @@ class JKR(ContactLaw):
     """
 
     name: ClassVar[str] = "jkr"
-    admissible: ClassVar[Range] = NON_NEGATIVE
+    admissible: ClassVar[Mapping[str, Range]] = {"viscous_time": NON_NEGATIVE}
     viscous_time: Real = 0.0
 
 
@@ -89,12 +92,43 @@ class Hysteresis(ContactLaw):
     unloading_work: Real
 
 
-LAWS: tuple[type[ContactLaw], ...] = (JKR, ThorntonNing, Hysteresis)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class MaugisBarquins(JKR):
+    """JKR contact whose edge needs the more work, the faster it opens (Maugis and Barquins 1978).
+
+    The contact closes by the contact's work of adhesion w. While its radius a falls, the work of
+    separation is ``w (1 + (|da/dt|/c)^m)``; radius and compression are then independent.
+
+    Parameters
+    ----------
+    edge_speed
+        Speed c at which the work of separation is twice that of adhesion, m/s.
+    edge_exponent
+        m, up to 2; beyond, the loss would outgrow the energy, and fast spheres stick.
+    viscous_time
+        As of `JKR`.
+    """
+
+    name: ClassVar[str] = "maugis-barquins"
+    admissible: ClassVar[Mapping[str, Range]] = {
+        "edge_exponent": Range(lower=0.0, upper=2.0, upper_closed=True),
+        **JKR.admissible,
+    }
+    edge_speed: Real
+    edge_exponent: Real
+
+
+LAWS: tuple[type[ContactLaw], ...] = (JKR, ThorntonNing, Hysteresis, MaugisBarquins)
 NAMES = (RING_FORCE, *(law.name for law in LAWS))
 
 
-# Parameters of the laws by name.
-PARAMETERS = {field.name: law for law in LAWS for field in fields(law)}
+# Parameters of the laws by name, each with the first law that has it.
+PARAMETERS = {field.name: law for law in reversed(LAWS) for field in fields(law)}
+
+
+def _required(law: type[ContactLaw]) -> list[str]:
+    """Return the parameters of a law that have no default."""
+    return [field.name for field in fields(law) if field.default is MISSING]
 
 
 def named_law(name: str, parameters: Mapping[str, Real]) -> ContactLaw | None:
@@ -103,11 +137,12 @@ def named_law(name: str, parameters: Mapping[str, Real]) -> ContactLaw | None:
     Raises ValueError if it does not know one, or lacks one.
     """
     law = next((law for law in LAWS if law.name == name), None)
-    foreign = [key for key in parameters if PARAMETERS[key] is not law]
+    foreign = [key for key in parameters if not hasattr(law, key)]
     if foreign:
         owner = PARAMETERS[foreign[0]].name
         raise ValueError(f"law {name!r} does not know {foreign[0]}: that is of {owner!r}")
-    return contact_law(law(**parameters) if law and parameters else name)
+    complete = law is not None and set(_required(law)) <= set(parameters)
+    return contact_law(law(**parameters) if law and complete else name)
 
 
 def contact_law(value: object) -> ContactLaw | None:
@@ -121,8 +156,8 @@ def contact_law(value: object) -> ContactLaw | None:
         return JKR()
     for law in LAWS:
         if value == law.name:
-            needed = ", ".join(field.name for field in fields(law))
-            raise ValueError(f"law {value!r} needs its parameter: law={law.__name__}({needed}=...)")
+            needed = ", ".join(f"{name}=..." for name in _required(law))
+            raise ValueError(f"law {value!r} needs its parameters: law={law.__name__}({needed})")
     if isinstance(value, str):
         raise ValueError(f"law must be one of {', '.join(map(repr, NAMES))}, got {value!r}")
     if not isinstance(value, ContactLaw):

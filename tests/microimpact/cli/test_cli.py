@@ -243,6 +243,11 @@ REFUSED = [
         ("capture", "--particle-density -8", "--particle 'stainless-steel-316': density"),
         ("capture", "--law thornton-ning", "give --yield-pressure-gpa"),
         ("capture", "--law jkr --unloading-work 1", "that is of 'hysteresis'"),
+        (
+            "capture",
+            "--law maugis-barquins --edge-speed 1",
+            "needs its parameters: law=MaugisBarquins(edge_speed=..., edge_exponent=...)",
+        ),
         ("capture", "--viscous-time-ns 1", "law 'ring force' does not know viscous_time"),
         ("capture", "--law jkr --hertz-damping 1", "leave out --hertz-damping"),
         ("export", "--format matlab", "'--format'"),

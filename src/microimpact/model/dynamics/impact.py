@@ -36,7 +36,7 @@ from microimpact.core.readable import Readable
 from microimpact.model import passes
 from microimpact.model.choices import FRICTION_BASES, TANGENTIAL_LAWS
 from microimpact.model.contact import Contact, require_contact
-from microimpact.model.contact_laws import RING_FORCE
+from microimpact.model.contact_laws import RING_FORCE, MaugisBarquins
 from microimpact.model.dynamics.normal import NormalImpact, normal_impact
 from microimpact.model.dynamics.tangential import compliant_impulse
 from microimpact.model.rigid_body.algebra import (
@@ -48,7 +48,7 @@ from microimpact.model.rigid_body.algebra import (
     VELOCITY,
 )
 
-# Friction basis F + 2 F_pull-off; not for the ring force, which may pull harder than F_pull-off.
+# Friction basis F + 2 F_pull-off; not for laws that may pull harder than F_pull-off.
 PULL_OFF = "pull-off"
 SPEED = Range(lower=0.0, upper=SPEED_OF_LIGHT)
 ANGLE = Range(lower=0.0, upper=90.0, upper_closed=True)
@@ -488,10 +488,12 @@ def chosen_basis(contact: Contact, friction_basis: object, tangential: object = 
     """Return the checked basis of friction, for the contact's law and a checked tangential law."""
     basis = choice("friction_basis", friction_basis, (*FRICTION_BASES, PULL_OFF))
     compliant = choice("tangential", tangential, TANGENTIAL_LAWS) != "rigid"
+    pulls_harder = contact.law is None or isinstance(contact.law, MaugisBarquins)
     if compliant and contact.law is not None:
+        hint = f", with friction_basis {PULL_OFF!r} if adhesion is to support friction"
         raise NotComputable(
             f"tangential {tangential!r} is for the law {RING_FORCE!r}, got {contact.law.name!r}: "
-            f"take 'rigid', with friction_basis {PULL_OFF!r} if adhesion is to support friction"
+            f"take 'rigid'{'' if pulls_harder else hint}"
         )
     if compliant and basis == "net":
         allowed = " or ".join(map(repr, FRICTION_BASES[:2]))
@@ -499,7 +501,7 @@ def chosen_basis(contact: Contact, friction_basis: object, tangential: object = 
             f"friction_basis must be {allowed} with tangential {tangential!r}, got 'net': a limit "
             "that adhesion makes negative is none"
         )
-    if basis == (PULL_OFF if contact.law is None else "hertz"):
+    if (basis == PULL_OFF and pulls_harder) or (basis == "hertz" and contact.law is not None):
         law = contact.law.name if contact.law else RING_FORCE
         raise NotComputable(f"friction_basis {basis!r} does not go with the law {law!r}")
     return basis

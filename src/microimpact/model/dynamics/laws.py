@@ -12,7 +12,8 @@ compression is least, at s^3 = b. The unit a_0 is that at which the unit of spee
 own, or, below it, that of a contact with b = 1.
 
 The energy holds elastic and surface energy, so that what is lost follows from its values at the
-places where the contact closes, turns and breaks: only the times are quadratures.
+places where the contact closes, turns and breaks: only the times are quadratures. Where the work of
+separation goes with the speed of the edge, the way back is integrated (`dynamics.peeling`).
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ from microimpact.core.arrays import BoolArray, Columns, FloatArray, Real, common
 from microimpact.core.computable import NotComputable
 from microimpact.core.solve import roots
 from microimpact.model.contact import Contact
-from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
-from microimpact.model.dynamics import viscous
+from microimpact.model.contact_laws import JKR, Hysteresis, MaugisBarquins, ThorntonNing
+from microimpact.model.dynamics import peeling, viscous
 
 # s^3/b of a JKR contact at touch, at the greatest pull and at the break of an impact.
 CLOSED, PULL_OFF, BROKEN = 4.0, 3.0, 1.0
@@ -35,6 +36,13 @@ CLOSED, PULL_OFF, BROKEN = 4.0, 3.0, 1.0
 # Distance from the break, of its s, at which a path backwards begins; the energy that it neglects
 # is the cube of it.
 BACKWARD_START = 1e-6
+
+# An edge that adds a smaller share x to the work of adhesion is too fast to matter: the break is
+# late by x^(2/(2 + m)).
+LEAST_EXCESS = 1e-20
+# Logarithms of a capture velocity over that of JKR: the least, the first and the largest one tried,
+# and the error.
+LOG_RATIOS, LOG_ERROR = (-0.01, 1.0, 32.0), 1e-10
 
 # Beyond this drag a rebound would keep less than 1e-14 of its speed, and takes too many steps.
 LARGEST_DRAG = 1e3
@@ -67,10 +75,20 @@ class Problem(Columns):
     opening: FloatArray
     pressure: FloatArray  # Yield pressure; infinite where nothing yields
     drag: FloatArray  # Viscous loss in the bulk
+    # Speed c and exponent m of the edge; infinite where it opens by its own work at any speed.
+    edge_speed: FloatArray
+    edge_exponent: FloatArray
+
+    @property
+    def peels(self) -> BoolArray:
+        """Whether the speed of the edge changes the work of separation by more than rounding."""
+        fastest = np.maximum(self.speed**0.6, self.closing)
+        excess = (fastest / self.edge_speed) ** self.edge_exponent
+        return np.asarray((excess > LEAST_EXCESS) & (self.closing > 0.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ScaledOutcome:
+class ScaledOutcome(Columns):
     """Outcome of scaled impacts, every field (n,); impulses and energies per unit mass.
 
     As in `microimpact.model.dynamics.normal.NormalImpact`; ``deepest`` is s at the turning point,
@@ -113,6 +131,9 @@ def scaled(contact: Contact, speed: Real) -> tuple[Problem, Scales, tuple[int, .
     pressure = law.yield_pressure if isinstance(law, ThorntonNing) else np.inf
     time = law.viscous_time if isinstance(law, JKR) else 0.0
     closed = np.sqrt(cube * closing / unit**3)
+    edge: tuple[Real, Real] = (np.inf, 1.0)
+    if isinstance(law, MaugisBarquins):
+        edge = law.edge_speed, law.edge_exponent
     drag = 1.5 * flat(time) * unit_speed / length
     stiff = (drag > LARGEST_DRAG) & (drag * np.cbrt(closed) <= viscous.OVERDAMPED)
     if np.any(stiff):
@@ -126,6 +147,8 @@ def scaled(contact: Contact, speed: Real) -> tuple[Problem, Scales, tuple[int, .
         opening=np.sqrt(cube * opening / unit**3),
         pressure=np.pi * flat(pressure) * radius / (stiffness * unit),
         drag=drag,
+        edge_speed=flat(edge[0]) * unit / (radius * unit_speed),
+        edge_exponent=flat(edge[1]),
     )
     return problem, Scales(length, unit_speed, mass), shape
 
@@ -154,8 +177,56 @@ def energy(s: FloatArray, b: FloatArray, flattening: Real = 1.0) -> FloatArray:
 
 
 def solve(problem: Problem) -> ScaledOutcome:
-    """Solve scaled impacts: closed forms, or integration where the bulk is viscous."""
-    return _integrated(problem) if np.any(problem.drag > 0.0) else _quasi_static(problem)
+    """Solve scaled impacts: closed forms, or integration where bulk or edge dissipate."""
+    peels = problem.peels
+    others = _integrated if np.any(problem.drag > 0.0) else _quasi_static
+    if not np.any(peels):
+        return others(problem)
+    if np.all(peels):
+        return _peeled(problem)
+    both = ScaledOutcome.joined([_peeled(problem.select(peels)), others(problem.select(~peels))])
+    return both.select(np.argsort(np.argsort(~peels, kind="stable")))
+
+
+def _peeled(problem: Problem) -> ScaledOutcome:
+    b, v, drag = problem.closing, problem.speed, problem.drag
+    closed = np.cbrt(4.0 * b)
+    closing = followed(b, drag, closed, v, np.full_like(v, np.inf))
+    top, turned = closing[:, viscous.TURNING_S], closing[:, viscous.STATUS] == viscous.REBOUND
+    back = np.zeros((v.size, peeling.RESULT_COLUMNS))
+    back[:, peeling.STATUS] = peeling.TURNED
+    back[turned] = separated(problem.select(turned), top[turned])
+    captured = back[:, peeling.STATUS] == peeling.TURNED
+    approach = 0.5 * v**2 + energy(closed, b) - energy(top, b)
+    bulk = np.where(drag > 0.0, approach + np.where(captured, 0.0, back[:, peeling.BULK]), 0.0)
+    # JKR loses least at the edge; errors of integration are not to make it less.
+    snap = energy(np.cbrt(b), b) - energy(closed, b)
+    most = np.sqrt(np.maximum(v**2 - 2.0 * (bulk + snap), 0.0))
+    speed = np.where(captured, 0.0, np.minimum(back[:, peeling.SPEED], most))
+    turning = closing[:, viscous.TURNING_TIME]
+    return ScaledOutcome(
+        captured=captured,
+        speed=speed,
+        time=np.where(captured, np.inf, turning + back[:, peeling.TIME]),
+        turning_time=turning,
+        deepest=top,
+        compressive=closing[:, viscous.COMPRESSIVE_IMPULSE] + back[:, peeling.RISE],
+        greatest=v + np.maximum(back[:, peeling.HIGHEST_V], -closing[:, viscous.LOWEST_V]),
+        bulk=bulk,
+        adhesion=0.5 * (v**2 - speed**2) - bulk,
+    )
+
+
+def separated(problem: Problem, top: FloatArray, *, through: bool = False) -> FloatArray:
+    """Results of `peeling.integrate`, of problems that have turned at s = ``top``.
+
+    Raises RuntimeError if an integration failed.
+    """
+    edge, exponent = problem.edge_speed, problem.edge_exponent
+    rows = np.stack([problem.closing, problem.drag, edge, exponent, top**2], axis=1)
+    results = np.zeros((len(rows), peeling.RESULT_COLUMNS))
+    peeling.integrate(rows, through, results)
+    return _ended(rows, results, results[:, peeling.STATUS] == peeling.FAILED)
 
 
 def _integrated(problem: Problem) -> ScaledOutcome:
@@ -188,11 +259,14 @@ def followed(*columns: FloatArray) -> FloatArray:
     problems = np.stack(np.broadcast_arrays(*columns), axis=1)
     results = np.zeros((len(problems), viscous.RESULT_COLUMNS))
     viscous.integrate(problems, results)
-    failed = np.flatnonzero(results[:, viscous.STATUS] == viscous.FAILED)
-    if failed.size:
+    return _ended(problems, results, results[:, viscous.STATUS] == viscous.FAILED)
+
+
+def _ended(problems: FloatArray, results: FloatArray, failed: BoolArray) -> FloatArray:
+    if np.any(failed):
         raise RuntimeError(
-            f"the integration of {failed.size} impact(s) failed; "
-            f"the first in scaled form: {problems[failed[0]].tolist()}"
+            f"the integration of {np.count_nonzero(failed)} impact(s) failed; "
+            f"the first in scaled form: {problems[np.argmax(failed)].tolist()}"
         )
     return results
 
@@ -387,6 +461,9 @@ def capture_speed(contact: Contact) -> FloatArray:
     speed[adhesive] = (
         _backwards(sticky) if np.any(problem.drag > 0.0) else _stops_at_the_break(sticky)
     )
+    slowed = adhesive & problem.peels & np.isfinite(speed)
+    if np.any(slowed):
+        speed[slowed] = _parts_at_rest(problem.select(slowed), speed[slowed])
     return np.asarray((speed * scales.velocity).reshape(shape)[()])
 
 
@@ -418,6 +495,37 @@ def _stops_at_the_break(problem: Problem) -> FloatArray:
         high = np.where(short, high + 1.0, high)
     top = np.exp(roots(left, low, high, *shares))
     return np.sqrt(np.maximum(2.0 * loading.work(top), 0.0))
+
+
+def _parts_at_rest(problem: Problem, least: FloatArray) -> FloatArray:
+    """Scaled speeds at which the sphere stops as the contact parts, from those without an edge."""
+    columns = {name: getattr(problem, name) for name in problem.__dataclass_fields__}
+
+    def left(log_ratio: FloatArray, least: FloatArray, *values: FloatArray) -> FloatArray:
+        speed = least * np.exp(log_ratio)
+        return _left(Problem(**dict(zip(columns, values, strict=True)) | {"speed": speed}))
+
+    rows = least, *columns.values()
+    lowest, first, largest = LOG_RATIOS
+    low, high = np.full_like(least, lowest), np.full_like(least, first)
+    while np.any(short := left(high, *rows) <= 0.0) and np.max(high) < largest:
+        low, high = np.where(short, high, low), np.where(short, 2.0 * high, high)
+    there = ~short
+    ratio = np.full_like(least, np.inf)
+    ends = (each[there] for each in (low, high, *rows))
+    ratio[there] = roots(left, *ends, absolute=LOG_ERROR)
+    return least * np.exp(ratio - LOG_ERROR)  # of two neighbours the one that captures
+
+
+def _left(problem: Problem) -> FloatArray:
+    """Speed after over speed before an impact, negative if captured."""
+    b, v = problem.closing, problem.speed
+    closing = followed(b, problem.drag, np.cbrt(4.0 * b), v, np.full_like(v, np.inf))
+    turned, left = closing[:, viscous.STATUS] == viscous.REBOUND, np.full_like(v, -1.0)
+    back = separated(problem.select(turned), closing[turned, viscous.TURNING_S], through=True)
+    parted = back[:, peeling.STATUS] == peeling.PARTED
+    left[turned] = np.where(parted, back[:, peeling.SPEED] / v[turned], -1.0)
+    return left
 
 
 def jkr_restitution(

@@ -8,8 +8,8 @@ smooth through the snap-off at ``s^3 = beta``, where the contact radius changes 
 
 with ``p = s^2 v``, and ``c = s^3``, whose derivative is 3 p: three products of series make a term.
 Each step is a Taylor expansion of order ``ORDER``; as in `microimpact.model.dynamics.kernel`,
-``LANES`` impacts advance side by side. A motion goes to its turning point and back to a given s;
-with a negative drag it is an impact backwards in time.
+``LANES`` impacts advance side by side. A motion goes to its turning point and back to a given s,
+or no further if that is infinite; with a negative drag it is an impact backwards in time.
 """
 
 from __future__ import annotations
@@ -280,6 +280,8 @@ def integrate(problems: FloatArray, results: FloatArray) -> None:
                 total[TURNING_TIME, lane], total[TURNING_S, lane] = total[TIME, lane], end_s
                 if d * b ** (1.0 / 3.0) > OVERDAMPED:
                     status = CAPTURED
+                elif last == math.inf:
+                    status = REBOUND
             elif ended:
                 status = REBOUND
             elif approaching[lane]:

@@ -44,12 +44,14 @@ Parameter = Literal[
     "viscous_time_ns",
     "yield_pressure_GPa",
     "unloading_over_loading_work",
+    "edge_speed_m_per_s",
+    "edge_exponent",
     "friction",
 ]
 WORK: Parameter = "work_of_adhesion_J_per_m2"
 # Uniform before the statements; of the others the logarithm is, for not even their order is known.
 # What is lost in the material adds to the loss, so that no share of it is preferred.
-LINEAR = ("hertz_damping_s_per_m", "rate_exponent", "friction")
+LINEAR = ("hertz_damping_s_per_m", "rate_exponent", "edge_exponent", "friction")
 Span = Annotated[tuple[NonNegative, Positive], Ascending]
 Basis = FrictionBasis | Literal["pull-off"]
 

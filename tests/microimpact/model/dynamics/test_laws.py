@@ -20,7 +20,7 @@ from microimpact.model.closed_forms import (
     yield_velocity,
 )
 from microimpact.model.contact import Contact
-from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
+from microimpact.model.contact_laws import JKR, Hysteresis, MaugisBarquins, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
@@ -35,6 +35,7 @@ EVERY = [
     JKR(viscous_time=3e-9),
     ThorntonNing(yield_pressure=2e9),
     Hysteresis(unloading_work=4.0),
+    MaugisBarquins(edge_speed=20.0, edge_exponent=0.7, viscous_time=1e-9),
 ]
 every_law = pytest.mark.parametrize("law", EVERY, ids=lambda law: f"{law.name}{law.parameters}")
 
@@ -299,6 +300,10 @@ def test_without_viscosity_yield_or_hysteresis_it_is_the_elastic_contact(build, 
 class TestEveryLaw:
     def test_friction_of_thornton_and_yin_counts_twice_the_pull_off_force(self, build, law):
         contact = build(law)
+        if isinstance(law, MaugisBarquins):  # its edge may pull harder
+            with pytest.raises(ValueError, match="'pull-off' does not go with the law 'maugis"):
+                simulate(contact, 1.0, friction_basis="pull-off")
+            return
         impact = normal_impact(contact, 0.4)
         slid = simulate(contact, 40.0, math.degrees(math.asin(0.01)), friction_basis="pull-off")
         extra = 2 * contact.pull_off_force * impact.contact_time
@@ -308,6 +313,8 @@ class TestEveryLaw:
     @pytest.mark.parametrize("basis", ["compressive", "net", "pull-off"])
     def test_the_path_ends_as_the_impact_and_obeys_newton(self, build, law, basis):
         contact = build(law)
+        if basis == "pull-off" and isinstance(law, MaugisBarquins):
+            pytest.skip("refused")
         impact = simulate(contact, 1.66, 60.0, 100.0, friction_basis=basis)
         path = trajectory(contact, 1.66, 60.0, 100.0, points=2000, friction_basis=basis)
         ends = {

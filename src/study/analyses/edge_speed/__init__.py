@@ -1,0 +1,1 @@
+"""Plateau, capture velocity and size by a contact whose edge opens by its own speed."""
