@@ -136,6 +136,8 @@ class Claim:
         Facts found by others that speak about it, by their words in the table of these.
     by_case
         Whether there are numbers for every case of steel on silicon.
+    assumed
+        Inputs that are not published and decide: criteria that fail with them refute nothing.
     by_contact
         Whether it takes steel as a contact of arrays (n,), and has numbers for each; by case, too.
     """
@@ -155,6 +157,7 @@ class Claim:
     figures: str = ""
     equations: str = ""
     external: tuple[str, ...] = ()
+    assumed: str = ""
     by_case: bool = False
     by_contact: bool = False
     function: Function | None = None

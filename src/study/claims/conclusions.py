@@ -88,37 +88,6 @@ def c58(context: Context, *, yield_strengths_MPa: dict[Name, Positive]) -> Numbe
 
 
 @Claim(
-    "C59",
-    "Friction in an oblique impact adds to the energy lost.",
-    where="6",
-    quote="friction combines with the van der Waals force to increase the impact energy loss",
-    article="sign",
-    numbers={
-        "least_added_loss_of_total_energy": Number(at_least=0.001),
-    },
-    reason=(
-        "For the energy of translation and rotation together, with friction [[steel.friction:g]] "
-        "against none, at all declared oblique angles of rebound."
-    ),
-    cases=RIDGE,
-    figures="fig21",
-    equations="14",
-    by_contact=True,
-)
-def c59(context: Context) -> Numbers:
-    """Loss of energy, rotation included, with friction less that without; least of all rebounds."""
-    angles = np.array(context.params.steel.angles_deg)[:, None]
-    rough = context.impacts(context.speed, angles[:, 0])
-    smooth = context.hit(context.steel.replace(friction=0.0), context.speed, angles)
-    oblique = ~rough.captured & (angles < 90.0)
-    return {
-        "least_added_loss_of_total_energy": -greatest(
-            smooth.energy_loss - rough.energy_loss, oblique
-        )
-    }
-
-
-@Claim(
     "C97",
     "Captured spheres can roll away from the spot they hit on a tilted target.",
     where="6",

@@ -285,7 +285,8 @@ def c31(context: Context, *, case: CaseName) -> Numbers:
     },
     reason=(
         "About a third means 10 % to either side. A prediction: ring force, diameter and speed "
-        "are printed, and the damping was fitted to the other ratio alone."
+        "are printed, and the damping was fitted to the other ratio alone. It holds for a Young's "
+        "modulus of fluorescein, which is declared and not printed, of about 1.1 to 1.8 GPa."
     ),
     figures="fig20",
     equations="25 30",
@@ -473,14 +474,12 @@ def c37(
     unit="1/s",
     numbers={
         "rate_of_radius_strain": Number(
-            "strain rate by contact radius", "1/s", at_least=31623.0, at_most=3162278.0
+            "strain rate by contact radius", "1/s", at_least=1e5, at_most=1e6
         ),
-        "rate_of_tabor_strain": Number(
-            "strain rate by Tabor", "1/s", at_least=31623.0, at_most=3162278.0
-        ),
+        "rate_of_tabor_strain": Number("strain rate by Tabor", "1/s", at_least=1e5, at_most=1e6),
     },
     reason=(
-        "Powers of ten hold within half a decade. The article does not define the strain, so both "
+        "The printed range is a decade wide already. The article does not define the strain, so both "
         "a/r and the fifth of it that Tabor takes, over half the duration, must satisfy the "
         "criterion."
     ),
@@ -717,36 +716,6 @@ def c99(
     at_open_speed = simulate(members, open_speed_m_per_s).coefficient_of_restitution
     error = np.max(np.abs(e - context.params.steel.restitution))
     return {"largest_error": error, "spread_of_members": np.ptp(at_open_speed)}
-
-
-@Claim(
-    "C100",
-    "The damping parameters zeta are constants only if one nominal speed normalises them.",
-    where="3.2",
-    quote="it is necessary to use an appropriate nominal value of the initial normal velocity",
-    article="dependence",
-    numbers={
-        "largest_change_of_restitution_with_each_speed": Number(at_least=0.005),
-    },
-    reason=(
-        "If zeta is constant with each impact's own speed, restitution must change by more than "
-        "half a unit of the printed digits between [[speeds_m_per_s:g]] m/s."
-    ),
-    cases=RIDGE,
-    figures="fig16",
-    equations="23 24 25",
-    by_case=True,
-)
-def c100(context: Context, *, speeds_m_per_s: PositiveRange) -> Numbers:
-    """Change of e if the zeta of Eqs. (23) and (24) is held, with v_N the speed of each impact."""
-    contact = context.steel
-    speed = np.geomspace(*speeds_m_per_s, POINTS)
-    unit = contact.replace(reference_velocity=speed).damping_unit / contact.damping_unit
-    held = contact.replace(
-        hertz_damping=contact.hertz_damping * unit, adhesion_damping=contact.adhesion_damping * unit
-    )
-    e, each = (simulate(c, speed).coefficient_of_restitution for c in (contact, held))
-    return {"largest_change_of_restitution_with_each_speed": np.max(np.abs(each - e))}
 
 
 @Claim(

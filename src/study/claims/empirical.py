@@ -30,6 +30,10 @@ FITTED_TO = 15.0
 Rebounds = Annotated[int, Field(ge=8)]
 
 
+# Readings of "finds it", in standard errors of one experiment.
+READINGS = {"typical experiment": 1.0, "19 of 20 experiments": 1.96}
+
+
 @Claim(
     "C43",
     "A fit of the empirical equations to rebounds alone finds the capture velocity.",
@@ -37,8 +41,8 @@ Rebounds = Annotated[int, Field(ge=8)]
     quote="using impact data from experiments where capture never actually occurs",
     article="equal",
     numbers={
-        "rms_relative_error_of_fitted_capture_velocity": Number(
-            "rms relative error of the fitted capture velocity", at_most=0.051
+        "relative_error_of_fitted_capture_velocity": Number(
+            "relative error of the fitted capture velocity", at_most=0.1
         ),
         "relative_error_without_noise": Number(),
         "relative_error_from_later_data": Number(
@@ -46,12 +50,12 @@ Rebounds = Annotated[int, Field(ge=8)]
         ),
     },
     reason=(
-        "About means 10 % of the simulation's own capture velocity, kept by 19 of 20 experiments, "
-        "so the bound is a tenth over the two standard errors of such an interval, for the rms "
-        "error over sets of [[rebounds]] rebounds from [[fitted_from:g]] capture velocities "
-        "upwards, with the speed noise of the instrument and all exponents free."
+        "About means 10 % of the simulation's own capture velocity, over sets of [[rebounds]] "
+        "rebounds from [[fitted_from:g]] capture velocities upwards, with the speed noise of the "
+        "instrument and all exponents free. How many experiments must find it so is not said: the "
+        "error of a typical one, the rms, and that kept by 19 of 20 are both cases."
     ),
-    cases=RIDGE,
+    cases=tuple(f"{case}, {reading}" for case in RIDGE for reading in READINGS),
     figures="fig15 fig16",
     equations="32 33 34",
     by_case=True,
@@ -80,13 +84,16 @@ def c43(
     e = simulate(context.steel, ratios * steel_limit).coefficient_of_restitution
     later = fit_restitution(ratios * steel_limit, e).v_c
     sets = noisy_sets(context, fitted_from, rebounds, data_sets)
-    errors = fit_batch(sets).parameters[:, -1] / steel_limit - 1.0
-    rms = np.sqrt(np.mean(np.square(errors)))
-    scatter = np.std(np.square(errors)) / (2.0 * rms * np.sqrt(len(errors)))
+    misfits = fit_batch(sets).parameters[:, -1] / steel_limit - 1.0
+    rms = np.sqrt(np.mean(np.square(misfits)))
+    scatter = np.std(np.square(misfits)) / (2.0 * rms * np.sqrt(len(misfits)))
     return {
-        "rms_relative_error_of_fitted_capture_velocity": Estimate(rms, scatter),
-        "relative_error_without_noise": fitted / limit - 1.0,
-        "relative_error_from_later_data": later / steel_limit - 1.0,
+        reading: {
+            "relative_error_of_fitted_capture_velocity": Estimate(errors * rms, errors * scatter),
+            "relative_error_without_noise": fitted / limit - 1.0,
+            "relative_error_from_later_data": later / steel_limit - 1.0,
+        }
+        for reading, errors in READINGS.items()
     }
 
 

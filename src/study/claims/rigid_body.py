@@ -37,7 +37,7 @@ from study.declared.parameters import AngleDegrees, Finite, Positive
     reason=(
         "Half a unit of the last digit of the printed [[steel.friction:.2f]], tested with "
         "adhesion over all angles of rebound; friction of the cases follows the compressive "
-        "force."
+        "force, that of the drawn contacts any force that presses the sphere on."
     ),
     cases=RIDGE,
     figures="fig18",
@@ -236,40 +236,23 @@ def c91(context: Context, *, angle_error_deg: Positive) -> Numbers:
     reason=(
         "The rise must exceed 10 %. Two speeds must separate its causes: adhesion depends on the "
         "normal speed, slopes on the angle. For sliding impacts; the spread is relative to the "
-        "friction. C106 compares with the slowest measurements. Which normal force Coulomb's law "
-        "takes is not identified (C23), so both are cases."
+        "friction. C106 compares with the slowest measurements. Friction follows the compressive "
+        "force: as printed, Eq. 27 is refuted."
     ),
     if_met="reproduced with a correction",
-    cases=(
-        "steel-silicon, n = 0, compressive force",
-        "steel-silicon, n = 0, net force",
-        "steel-silicon, n = 1, compressive force",
-        "steel-silicon, n = 1, net force",
-    ),
+    cases=RIDGE,
     figures="fig18",
     equations="25 27 36",
     by_case=True,
 )
-def c92(context: Context, *, plateau_deg: AngleDegrees) -> Numbers:
-    """Rise by adhesion, and spread at equal normal speed of two speeds, by adhesion or slopes.
-
-    The rise with friction by the compressive force, and by the net force.
-    """
+def c92(context: Context) -> Numbers:
+    """Rise by adhesion, and spread at equal normal speed of two speeds, by adhesion or slopes."""
     table = context.table("adhesion_or_roughness").set_index("cause")
     spread = table["spread_at_equal_normal_speed"]
-    angles = np.array([context.shallowest_rebounds()[0], plateau_deg])
-    shallow, level = np.ravel(context.impacts(context.speed, angles, basis="net").impulse_ratio)
-    rises = {
-        "compressive force": table["rise_at_shallowest_rebound"]["adhesion"],
-        "net force": shallow / level,
-    }
     return {
-        name: {
-            "spread_over_speeds_at_equal_normal_speed_by_adhesion": spread["adhesion"],
-            "spread_over_speeds_at_equal_normal_speed_by_slopes": spread["slopes"],
-            "rise_at_shallowest_rebound_by_adhesion": rise,
-        }
-        for name, rise in rises.items()
+        "spread_over_speeds_at_equal_normal_speed_by_adhesion": spread["adhesion"],
+        "spread_over_speeds_at_equal_normal_speed_by_slopes": spread["slopes"],
+        "rise_at_shallowest_rebound_by_adhesion": table["rise_at_shallowest_rebound"]["adhesion"],
     }
 
 

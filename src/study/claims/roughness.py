@@ -253,12 +253,10 @@ def c52(context: Context, *, dropped: Dropped, trend_deg: AngleRange) -> Numbers
     article="order of 10",
     unit="deg",
     numbers={
-        "largest_angle_with_bias_of_restitution": Number(
-            unit="deg", at_least=3.1623, at_most=31.623
-        ),
+        "largest_angle_with_bias_of_restitution": Number(unit="deg", at_least=5.0, at_most=15.0),
     },
     reason=(
-        "An order of magnitude holds within half a decade. The number is the largest declared "
+        "About 10° holds within the 5° between experiments. The number is the largest declared "
         "angle at which slopes raise the mean restitution by more than its error bar (0 if there "
         "is none), with the slopes of the back of the silicon."
     ),

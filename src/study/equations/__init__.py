@@ -99,8 +99,8 @@ def verdict(equation: Equation, printed: Checks, used: Checks, apart: float | No
     """Return the verdict that the checks of both forms give.
 
     ``definition``, ``correct``, ``typographical slip`` (of the scan), ``corrected`` (wrong as
-    printed: an error of the article, or the scan does not tell), ``undecidable`` (the text leaves a choice open), or ``unproved``:
-    the form used fails a check, or the function does not compute it.
+    printed: an error of the article, or the scan does not tell), ``undecidable`` (the text leaves a
+    choice open), or ``unproved``: the form used fails a check, or the function does not compute it.
     """
     if not used.hold or (apart is not None and apart > AGREEMENT):
         return "unproved"

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-import numpy as np
 import sympy
 
 from microimpact.model.rigid_body import algebra

@@ -182,6 +182,9 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
             decision = judged(claim.if_met, share.intervals)
             by = f", decided by {share.decided_by}" if share.decided_by else ""
             failed = [f"Holds for {share.in_words()}, of the drawn contacts{by}", *failed]
+    if claim.assumed and decision == "not reproduced":
+        decision = "not identified"
+        failed = [f"With inputs that are assumed, {claim.assumed}", *failed]
     row = {
         "id": claim.id,
         "where": claim.where,
@@ -194,7 +197,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         "unit": claim.unit,
         "verdict": decision,
         "shares": share.in_words() if share else "",
-        "decided_by": share.decided_by if share else "",
+        "decided_by": share.decided_by if share else claim.assumed,
         "independent": "",
         "margin": margin,
         "evidence": claim.evidence,

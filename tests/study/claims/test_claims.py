@@ -14,7 +14,6 @@ from microimpact.core.computable import NotComputable
 from study import analyses
 from study.analyses import claim_numbers
 from study.analyses.claim_numbers import numbers_of
-from study.analyses.fig24_25_doe.factors import elasticities
 from study.claims.claim import CLAIMS, NUMBER_COLUMNS, ascending
 from study.contacts import DRAWN, calibrated_contact
 from study.declared.parameters import build
@@ -110,7 +109,7 @@ def test_every_number_of_every_testable_claim_is_there(claims, numbers, ledger):
 
 def test_a_claim_alone_has_the_numbers_it_has_among_all(branch, inputs, numbers):
     params = build(claim_numbers.Params, branch)
-    for name in ("C09", "C60", "C97"):
+    for name in ("C19", "C60", "C97"):
         alone = numbers_of(name, params, inputs)
         among = numbers[numbers["claim"] == name].reset_index(drop=True)
         pd.testing.assert_frame_equal(again(alone), among, check_exact=True)
@@ -188,7 +187,7 @@ def test_slow_impacts_leave_claims_not_computed_and_the_others_alone(
     slow = merged(branch, LEAST | {"steel": {"speed_m_per_s": 0.01}})
     table = claim_numbers.run(build(claim_numbers.Params, slow), inputs)["claim_numbers"]
     problems = table[table["problem"] != ""].groupby("claim")["problem"].first()
-    assert {"C07", "C10", "C59"} <= set(problems.index)
+    assert {"C10", "C19", "C23"} <= set(problems.index)
     assert problems["C10"] == "steel.speed_m_per_s: at 0.01 it rebounds at no angle"
     assert set(table.loc[table["problem"] != "", "quantity"]) == {NOT_COMPUTED}
     ledger = verdicts(claims, table)[0].set_index("id")
@@ -227,15 +226,6 @@ def test_an_impact_rolls_too_little_for_hysteresis(value):
     assert (value("C42", "largest_distance_rolled_over_contact_radius") < 0.2).all()
     impact = value("C42", "largest_rolling_moment_over_friction_moment")
     assert (impact < 0.1 * value("C42", "largest_bound_of_moment_over_friction_moment")).all()
-
-
-def test_elasticities_are_those_of_the_similarity_law(value, inputs):
-    work, size = (
-        value("C57", f"elasticity_to_{name}") for name in ("work_of_adhesion", "diameter")
-    )
-    for number, case in enumerate(STEEL):
-        slopes = elasticities(calibrated_contact(inputs, case)).at_fixed_damping
-        assert [work[number], size[number]] == pytest.approx([slopes[1], slopes[2]], rel=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,7 @@ RING = (
 LIKELY = 0.5 * scipy.stats.chi2.ppf(0.95, 1)
 LIKELY_ENDS = ("likely_low", "likely_high")
 # Classes of the capture velocity per decade, and how far down the likelihood is shown.
-PROFILE, DEPTH = 12, 6.0
+PROFILE, DEPTH = 20, 6.0
 # Laws are preferred whose evidence is within this factor of the greatest (Kass and Raftery 1995).
 STRONG = np.log(20.0)
 
@@ -118,9 +118,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     summaries, statements, contacts, likelihoods = [], [], [], []
     for name, case in params.pairs.items():
         pools = {law: pool_of(case, law, inputs, params) for law in case.laws}
-        known = {
-            law: Judged(case, case.laws[law], dict(pool.record)) for law, pool in pools.items()
-        }
+        known = {k: Judged(case, case.laws[k], dict(pool.record)) for k, pool in pools.items()}
         for kind, row, scenario in case.rows():
             weighed = [weigh(law, known[law], scenario, pools[law]) for law in pools]
             head: Row = {"case": name, "kind": kind, "scenario": row}
@@ -272,7 +270,7 @@ def quantities(case: Case, weighed: Weighed) -> tuple[str, ...]:
 def quantiles(
     head: Row, values: Mapping[str, FloatArray], weights: FloatArray, likelihoods: FloatArray
 ) -> list[Row]:
-    """Return a row per quantity: quantiles of a weighted sample, and what is likely without a prior.
+    """Return a row per quantity: quantiles of a weighted sample, and ends of what is likely.
 
     The latter are the ends of the values whose log likelihood, the greatest of all contacts with
     them (profile), is within `LIKELY` of the greatest of all.
