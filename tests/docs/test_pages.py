@@ -10,12 +10,12 @@ import pytest
 from tests.docs.blocks import ROOT
 from tests.shared import settings_as_shipped
 
-from study.judge.criteria import read_claims
+from study.judge import amendments
+from study.judge.criteria import declared_claims
 from study.judge.words import bounds, readable
 from study.report.documents import LEDGERS, SUFFIX, PageError, deviations, pages, renew
 
 FULL = ROOT / "tests/reference/full"
-CRITERIA = ROOT / "config/claims.yaml"
 TOLD = {"not reproduced", "not identified", "reproduced with a correction", "undecided"}
 TOLD |= {"not testable", "not computed"}
 RENEW = "bring it up to date after a full run: make pages RESULTS=results"
@@ -42,7 +42,7 @@ def run(tmp_path):
 
 
 def test_committed_pages_are_those_of_the_kept_tables_and_read_all_of_them():
-    made, read = pages(FULL, ROOT / "docs", CRITERIA)
+    made, read = pages(FULL, ROOT / "docs")
     for name, text in made.items():
         assert (ROOT / "docs" / name).read_text(encoding="utf-8") == text, f"{name}: {RENEW}"
     assert set(read) == {path.stem for path in (FULL / "tables").iterdir()}
@@ -50,7 +50,7 @@ def test_committed_pages_are_those_of_the_kept_tables_and_read_all_of_them():
 
 def test_kept_verdicts_are_on_the_declared_statements_and_criteria():
     kept = pd.read_csv(FULL / "tables/claims.csv", keep_default_na=False).set_index("id")
-    declared = read_claims(CRITERIA, settings_as_shipped().branches["claim_numbers"])
+    declared = declared_claims(settings_as_shipped().branches["claim_numbers"])
     assert list(kept.index) == list(declared), RENEW
     for name, claim in declared.items():
         row = kept.loc[name]
@@ -64,12 +64,12 @@ def test_kept_verdicts_are_on_the_declared_statements_and_criteria():
 def test_a_changed_number_changes_the_page_and_the_kept_table(docs, run, tmp_path):
     kept = tmp_path / "kept"
     shutil.copytree(run, kept)
-    renew(kept, docs, CRITERIA, kept)
+    renew(kept, docs, kept)
     page = docs / "sizes.md"
     assert page.read_text(encoding="utf-8").endswith("−0.46 of 25 %\n")
-    assert renew(kept, docs, CRITERIA, kept) == []
+    assert renew(kept, docs, kept) == []
     pd.DataFrame({"case": ["a"], "speed": [0.5]}).to_csv(kept / "tables/sizes.csv")
-    assert renew(kept, docs, CRITERIA, kept) == [page]
+    assert renew(kept, docs, kept) == [page]
     assert page.read_text(encoding="utf-8").endswith("0.50 of 25 %\n")
     assert {path.stem for path in (kept / "tables").iterdir()} == {*LEDGERS, "sizes"}
 
@@ -86,7 +86,7 @@ def test_a_changed_number_changes_the_page_and_the_kept_table(docs, run, tmp_pat
 def test_a_number_that_is_not_there_is_named(docs, run, asked, message):
     (docs / f"sizes.md{SUFFIX}").write_text("{{ " + asked + " }}")
     with pytest.raises(PageError) as error:
-        pages(run, docs, CRITERIA)
+        pages(run, docs)
     assert message in str(error.value)
 
 
@@ -107,7 +107,7 @@ def test_what_the_example_analysis_found_is_in_its_table():
 @pytest.fixture(scope="module")
 def made():
     """The page of deviations."""
-    return deviations(FULL, CRITERIA)
+    return deviations(FULL)
 
 
 def test_every_equation_and_statement_that_deviates_has_its_place(made):
@@ -118,9 +118,9 @@ def test_every_equation_and_statement_that_deviates_has_its_place(made):
         deviates = row.verdict in ("corrected", "typographical slip", "undecidable")
         assert (f" | {row.reason}" in made) == deviates, row.equation
     verdicts = dict(zip(claims["id"], claims["verdict"], strict=True))
-    for claim in read_claims(CRITERIA).values():
-        for amendment in claim.amendments:
-            assert f"| {claim.id}, {amendment.part} | {amendment.was} | {amendment.now} |" in made
+    for row in amendments():
+        assert f"| {row['id']}, {row['part']} | {row['was']} | {row['now']} |" in made
+    for claim in declared_claims().values():
         heading = f"### {claim.id} ({claim.where})\n\n{claim.statement}\n"
         assert (heading in made) == (verdicts[claim.id] in TOLD)
 
@@ -138,7 +138,7 @@ def test_tables_of_other_claims_are_refused(run):
     table = pd.read_csv(path, keep_default_na=False)
     table[table["id"] != "C09"].to_csv(path, index=False)
     with pytest.raises(ValueError, match="do not hold the same claims: C09 in one of them"):
-        deviations(run, CRITERIA)
+        deviations(run)
 
 
 @pytest.mark.parametrize(

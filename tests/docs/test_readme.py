@@ -13,7 +13,7 @@ from tests.docs.blocks import PAGES, ROOT
 
 from study.judge import amendments
 from study.judge.counts import revisions, verdicts
-from study.judge.criteria import read_claims
+from study.judge.criteria import declared_claims
 from study.report.site.ledgers import read_rows
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -36,8 +36,8 @@ def test_verdicts_are_counted_right():
 
 
 def test_revised_claims_are_counted_right():
-    claims = read_claims(ROOT / "config/claims.yaml")
-    revised, in_criteria = revisions(amendments(claims))
+    claims = declared_claims()
+    revised, in_criteria = revisions(amendments())
     told = f"{revised} of {len(claims)} were revised after first judging, {in_criteria} of them"
     assert told in README
 

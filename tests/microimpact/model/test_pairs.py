@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from microimpact.model.pairs import IncompletePairError, pair_contact, pairs_from_rows
+from microimpact.model.pairs import pair_contact, pairs_from_rows
 
 ZETAS = [
     {"property": "zeta_hertz", "value": "0.3", "unit": "-"},
@@ -51,5 +51,5 @@ def test_a_change_takes_the_place_of_the_same_quantity_alone(steel, silicon):
 )
 def test_what_is_missing_is_named(steel, silicon, left_out, missing):
     rows = ZETAS[:left_out] + ZETAS[left_out + 1 :]
-    with pytest.raises(IncompletePairError, match=f"is incomplete; give {missing}$"):
+    with pytest.raises(ValueError, match=f"is incomplete; give {missing}$"):
         built(steel, silicon, rows)

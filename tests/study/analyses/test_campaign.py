@@ -112,3 +112,37 @@ def test_a_class_that_nothing_meets_costs_no_other(settings, run_study, calibrat
     with pytest.raises(NotComputedError, match=why):
         computed(tables["coverage_by_angle"])
     assert len(tables["coverage_by_speed"])
+
+
+@pytest.mark.parametrize(("speed", "angle"), [(1.05, 90), (1.66, 45)])
+def test_the_same_experiment_gives_the_same_number_in_every_study(
+    settings, run_study, calibration, speed, angle
+):
+    """Of one speed class and spin: by Fig. 4 or Fig. 6, and in the campaign."""
+    branch = settings.branches["campaign"]
+    window = 0.1 if angle == 90 else 0.036
+    ends = [speed * (1 - window), speed * (1 + window)]
+    speeds = [{"speed_m_per_s": speed, "speed_range_m_per_s": ends}]
+    size = "SST125" if angle == 90 else "SST76"
+    block = branch["blocks"]["normal impacts of SST125" if angle == 90 else "fast impacts"]
+    own = {"one": {**block, "speeds": speeds, "angles_deg": [angle]}}
+    params = build(study.Params, {**branch, "blocks": own})
+    declared = settings.rows["campaign"].items()
+    inputs = {**calibration, **{name: parse_table(text) for name, text in declared}}
+    (one,) = study.experiments(params, params.blocks["one"], inputs)
+    if angle == 90:
+        found = run_study(
+            "fig04_05_normal_experiments", calibration, speeds_m_per_s=[speed], points=10
+        )
+        rows = found["normal_experiments"].set_index("population")
+    else:
+        size = "silicon front"
+        changes = {
+            "series": {size: {"speed_range_m_per_s": ends}},
+            "angles_deg": [angle],
+            "reference_angle_deg": angle,
+        }
+        found = run_study("fig06_12_oblique_experiments", calibration, points=10, **changes)
+        rows = found["oblique_experiments"].set_index("series")
+    names = ("dropped", "events", "restitution", "restitution_low", "restitution_high")
+    assert [rows.loc[size, name] for name in names] == [one[name] for name in names]

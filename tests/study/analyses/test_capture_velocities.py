@@ -57,7 +57,7 @@ def works(calibration):
     ("name", "table", "key"),
     [
         ("capture_velocities", "capture_laws", "pair"),
-        ("restitution_fits", "restitution_fits", "case"),
+        ("fig15_16_restitution_fits", "restitution_fits", "case"),
     ],
 )
 def test_a_case_without_solution_costs_its_rows_alone(run_study, calibration, name, table, key):

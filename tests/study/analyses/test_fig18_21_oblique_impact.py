@@ -23,10 +23,10 @@ def study(run_study, calibration, admitted):
     drawn = [{"friction": f, "friction_basis": basis} for f, basis in bases.items()]
     inputs = {
         **calibration,
-        "posterior_contacts": admitted("oblique_impact", drawn),
+        "posterior_contacts": admitted("fig18_21_oblique_impact", drawn),
         **run_study("fig06_12_oblique_experiments", calibration, angles_deg=[85, 45], points=10),
     }
-    return partial(run_study, "oblique_impact", inputs)
+    return partial(run_study, "fig18_21_oblique_impact", inputs)
 
 
 @pytest.fixture(scope="module")

@@ -1,18 +1,40 @@
-"""Figs. 24 and 25: effects of five factors on the capture velocity, and Sobol' indices of them."""
+"""Figs. 24 and 25: effects of five factors on the capture velocity, by designs of experiments."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.special import ndtri
+from pydantic import ValidationError
+from tests.shared import ROOT
 
 from microimpact.model.dynamics.capture import capture_velocity
-from study.analyses.claim_numbers import designs
-from study.analyses.fig24_25_doe.factors import LETTERS, at_levels
-from study.analyses.sensitivity import compute as sensitivity
+from microimpact.statistics.effects import (
+    aliases,
+    defining_relation,
+    effects,
+    fractional_factorial,
+    full_factorial,
+    half_normal_positions,
+    lenth,
+    normal_positions,
+    words,
+)
+from study.analyses.fig24_25_doe import compute as doe
+from study.analyses.fig24_25_doe.factors import (
+    LETTERS,
+    Levels,
+    at_levels,
+    elasticities,
+    factor_values,
+    realistic_levels,
+)
+from study.claims import designs
 from study.contacts import calibrated_contact
-from study.declared.parameters import build
+from study.declared.parameters import build, explain
+from study.tables import parse_table
 
 STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
 
@@ -28,29 +50,29 @@ def tables(run_study, calibration, sampling):
 
 
 @pytest.fixture(scope="module")
-def effects(tables):
+def percent(tables):
     table = tables["doe_effects"]
     keys = ["case", "variation", "design", "response", "effect"]
     return table.set_index(keys)["effect_percent"].sort_index()
 
 
-def test_log_effects_are_elasticities_times_log_ranges(tables, effects):
+def test_log_effects_are_elasticities_times_log_ranges(tables, percent):
     slopes = tables["doe_elasticities"].set_index(["case", "factor"])["at_fixed_zeta"]
     for case in STEEL:
         for letter in "ABCDE":
-            found = effects[case, "uniform", "full", "ln v_c", letter]
+            found = percent[case, "uniform", "full", "ln v_c", letter]
             log_range = np.log(1.05 / 0.95)
             assert found == pytest.approx(100 * slopes[case, letter] * log_range, rel=0.01)
 
 
-def test_quarter_fractions_show_a_factor_for_bd(tables, effects):
+def test_quarter_fractions_show_a_factor_for_bd(tables, percent):
     table = tables["doe_bd_aliasing"]
     for (case, variation), rows in table.groupby(["case", "variation"]):
         assert len(rows) == 60
         on_factor = rows[rows["main_effect"] != "none"]
         assert len(on_factor) == 36
         assert (on_factor["main_effect"].value_counts() == 12).all()
-        size = effects[case, variation, "full", "v_c"]
+        size = percent[case, variation, "full", "v_c"]
         assert rows["BD_percent"].to_numpy() == pytest.approx(size["BD"], rel=1e-12)
     row = table[(table["variation"] == "uniform") & (table["main_effect"] == "C")]
     assert (row["apparent_percent"].abs() > 5 * row["BD_percent"].abs()).all()
@@ -107,89 +129,199 @@ def test_another_generator(run_study, calibration, sampling):
             designs.effect(effects, word)
 
 
-# Sobol' indices
+# Designs: aliases, effects, margins, elasticities, levels
 
 
 @pytest.fixture(scope="module")
-def levels(calibration, tables):
-    return calibration | {name: tables[name] for name in ("doe_levels", "doe_effects")}
+def branch(settings):
+    return settings.branches["fig24_25_doe"]
+
+
+@pytest.fixture
+def rated(contact):
+    """A contact with a damping that falls with the speed of impact, and a v_N."""
+    return contact.replace(adhesion_rate_exponent=0.7, reference_velocity=1.66, hertz_damping=0.5)
+
+
+@pytest.mark.parametrize(
+    "generator",
+    [
+        *("a b c d abcd", "a b c d -abcd", "a b c ab ac", "a b c -ab abc", "a b ab c ac"),
+        *("a b d c abc", "b c d e bcde", "z y x w -zyxw"),
+    ],
+)
+def test_aliases_are_columns_of_the_design(generator):
+    design = fractional_factorial(generator)
+    column = {w: design[:, [LETTERS.index(c) for c in w]].prod(axis=1) for w in words(LETTERS)}
+    relation = defining_relation(generator, LETTERS)
+    for word, sign in relation.items():
+        assert np.all(column[word] == sign)
+    classes = aliases(relation, LETTERS)
+    assert len(classes) == len(design) - 1
+    for word, others in classes.items():
+        for other, sign in others.items():
+            np.testing.assert_array_equal(column[other], sign * column[word])
+
+
+def test_the_full_design_has_no_aliases():
+    relation = defining_relation("a b c d e", LETTERS)
+    assert relation == {}
+    classes = aliases(relation, LETTERS)
+    assert len(classes) == 31
+    assert not any(classes.values())
+
+
+@pytest.mark.parametrize(
+    ("generator", "words_of_it"),
+    [
+        ("a b c d", "must have 5 words"),
+        ("a b c d a", "AE"),
+        ("a b c d ae", "letters e"),
+        ("a b c d aab", "product of letters"),
+        ("a b c d -", "product of letters"),
+        ("a b c abc abc", "'DE'"),
+        ("a b c d ab c", "must have 5 words"),
+    ],
+)
+def test_impossible_generators(branch, generator, words_of_it):
+    with pytest.raises(ValidationError) as caught:
+        build(doe.Params, {**branch, "generator": generator})
+    (line,) = explain(caught.value, doe.Params, "fig24_25_doe")
+    assert words_of_it in line
+    assert generator in line
+
+
+def test_effects_of_a_known_polynomial_are_recovered():
+    design = full_factorial(5)
+    a, b, c, d, e = design.T
+    response = 7.0 + 1.5 * a - 2.0 * c + 0.25 * b * d - 0.125 * a * c * e
+    chosen = words(LETTERS)
+    found = dict(zip(chosen, effects(design, LETTERS, chosen, response), strict=True))
+    wanted = {"A": 3.0, "C": -4.0, "BD": 0.5, "ACE": -0.25}
+    for word in chosen:
+        assert found[word] == pytest.approx(wanted.get(word, 0.0), abs=1e-14)
+
+
+def test_a_fraction_adds_aliased_effects():
+    generator = "a b c -ab ac"
+    whole, part = full_factorial(5), fractional_factorial(generator)
+    response = np.random.Generator(np.random.PCG64(1)).random(32)
+    relation = defining_relation(generator, LETTERS)
+    classes = aliases(relation, LETTERS)
+    chosen = words(LETTERS)
+    full = dict(zip(chosen, effects(whole, LETTERS, chosen, response), strict=True))
+    runs = (part > 0) @ 2 ** np.arange(5)
+    np.testing.assert_array_equal(whole[runs], part)
+    found = effects(part, LETTERS, list(classes), response[runs])
+    for (word, others), value in zip(classes.items(), found, strict=True):
+        total = full[word] + sum(sign * full[other] for other, sign in others.items())
+        assert value == pytest.approx(total, abs=1e-13)
+
+
+def test_lenth_by_hand():
+    # median 3, s0 = 4.5; 12 >= 11.25 falls out; median of the six others 2.5, PSE 3.75
+    found = lenth(np.array([1.0, -2.0, 2.0, 3.0, -4.0, 12.0, 5.0]))
+    assert found.pseudo_error == pytest.approx(3.75)
+    # Student's t with 7/3 degrees of freedom at 0.975: tables of m = 7 give 3.764, and 9.008
+    assert found.margin / found.pseudo_error == pytest.approx(3.764, abs=1e-3)
+    assert found.simultaneous / found.pseudo_error == pytest.approx(9.008, abs=1e-2)
+
+
+def test_plotting_positions():
+    values = np.array([0.1, -3.0, 2.0])
+    # quantiles of (i - 1/2)/3: 1/6, 1/2, 5/6
+    assert normal_positions(values) == pytest.approx([0.0, -0.96742, 0.96742], abs=1e-5)
+    # of 1/2 + (i - 1/2)/6: 7/12, 3/4, 11/12
+    assert half_normal_positions(values) == pytest.approx([0.21043, 1.38299, 0.67449], abs=1e-5)
+
+
+def test_levels_move_the_factors_alone(rated):
+    multiples = np.array([1.2, 0.7, 1.5, 2.0, 0.25])
+    before, after = factor_values(rated), factor_values(at_levels(rated, multiples))
+    for letter, multiple in zip(LETTERS, multiples, strict=True):
+        assert float(after[letter] / before[letter]) == pytest.approx(multiple, rel=1e-12)
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.7, 1.0])
+def test_elasticities_against_differences(contact, rate):
+    contact = contact.replace(
+        adhesion_rate_exponent=rate, reference_velocity=1.66, hertz_damping=2.0
+    )
+    found = elasticities(contact)
+    step = 1e-4
+    for i, letter in enumerate(LETTERS):
+        multiples = np.ones((2, 5))
+        multiples[:, i] = np.exp([step, -step])
+        logs = np.log(capture_velocity(at_levels(contact, multiples)))
+        assert found.at_fixed_zeta[i] == pytest.approx((logs[0] - logs[1]) / 2 / step, rel=1e-6)
+        # at fixed damping coefficients: the same change, its damping put back
+        held = at_levels(contact, multiples)
+        if letter in "ABC":
+            held = held.replace(
+                hertz_damping=contact.hertz_damping, adhesion_damping=contact.adhesion_damping
+            )
+        logs = np.log(capture_velocity(held))
+        assert found.at_fixed_damping[i] == pytest.approx((logs[0] - logs[1]) / 2 / step, rel=1e-6)
+
+
+def test_small_damping_gives_five_quarters(scaled):
+    found = elasticities(scaled(1e-6, 1e-6)).at_fixed_zeta
+    # v_c ~ V (C_A + 2 C_H)^(1/2): K^(-1/3 - 1/6 - 1/5), (w/r)^(5/4), and 1/3 and 2/3 of a half
+    assert found == pytest.approx([-0.7, 1.25, -1.25, 1 / 6, 1 / 3], abs=2e-3)
 
 
 @pytest.fixture(scope="module")
-def sobol(run_study, levels):
-    return run_study("sensitivity", levels, samples=256, resamples=100)
+def declared(settings):
+    """Declared rows, and the calibration as kept for reference."""
+    reference = {
+        name: pd.read_csv(ROOT / f"tests/reference/tables/{name}.csv")
+        for name in ("calibration", "calibration_family")
+    }
+    return reference | {
+        name: parse_table(text) for name, text in settings.rows["fig24_25_doe"].items()
+    }
 
 
-def test_logarithmic_indices_are_the_shares_of_squared_effects(sobol):
-    table = sobol["sensitivity_indices"]
-    rows = table[(table["response"] == "ln v_c") & (table["variation"] == "uniform")]
-    assert rows["first"].to_numpy() == pytest.approx(rows["effect_first"].to_numpy(), abs=0.05)
-    assert rows["total"].to_numpy() == pytest.approx(rows["effect_total"].to_numpy(), abs=0.03)
+def realistic(declared, n, sieve=(60.0, 125.0)):
+    contact = calibrated_contact(declared, f"steel-silicon, n = {n}")
+    return contact, realistic_levels(contact, sieve, declared).array
 
 
-def share_of_all_but_the_radius(contact, levels, quantile, n=2048, blocks=16):
-    """Total index of the other factors and its error, by pairs of draws with one radius."""
-    low, high = (levels[f"{end}_multiple"].to_numpy() for end in ("low", "high"))
-    scores = np.random.default_rng(5).standard_normal((2, n, len(LETTERS)))
-    scores[1, :, LETTERS.index("C")] = scores[0, :, LETTERS.index("C")]
-    multiples = np.sqrt(low * high) * np.exp(0.5 * np.log(high / low) * scores / ndtri(quantile))
-    one, other = capture_velocity(at_levels(contact, multiples))
-    halves = 0.5 * (one - other) ** 2 / np.var([one, other])
-    means = halves.reshape(blocks, -1).mean(axis=1)
-    return float(means.mean()), float(means.std(ddof=1) / np.sqrt(blocks))
+def test_levels_of_the_stiffness_come_from_the_declared_moduli(declared):
+    _, levels = realistic(declared, 0)
+    bodies = {"stainless-steel-316": [], "silicon": []}
+    rows = declared["materials"].set_index(["material", "property"])
+    for name, found in bodies.items():
+        for end in ("low", "high"):
+            bound = rows[end].fillna(rows["value"])[name].astype(float)
+            e, nu = bound["youngs_modulus"], bound["poissons_ratio"]
+            found.append((1.0 - nu**2) / e)
+    # K = 4/3 E*, and 1/E* is the sum of (1 - nu^2)/E of both
+    softest, stiffest = (sum(found[k] for found in bodies.values()) for k in (0, 1))
+    assert levels[1, 0] == pytest.approx(math.sqrt(softest / stiffest), rel=1e-6)
 
 
-def test_what_the_radius_leaves_is_that_of_independent_draws(sobol, levels, settings):
-    keys = ["case", "variation", "response", "factor"]
-    indices = sobol["sensitivity_indices"].set_index(keys).sort_index()
-    inputs = {**levels, "materials": pd.DataFrame(settings.tables.materials.rows)}
-    by_case = levels["doe_levels"].query("variation == 'realistic'").groupby("case")
-    quantile = settings.branches["sensitivity"]["level_quantile"]
-    for case in STEEL:
-        contact = calibrated_contact(inputs, case)
-        truth, error = share_of_all_but_the_radius(contact, by_case.get_group(case), quantile)
-        found = indices.loc[case, "realistic", "v_c", "C"]
-        # an interval of 95 % is two standard errors to either side
-        sampling = np.hypot((found["first_high"] - found["first_low"]) / 4.0, error)
-        assert abs(1.0 - found["first"] - truth) < 3.0 * sampling
-        assert truth - 4.0 * error > 0.2
+def test_other_levels_come_from_the_sieve_and_from_the_level_members_of_the_family(declared):
+    for n, works in ((0, (3.5, 4.5)), (1, (0.5, 1.0))):
+        _, levels = realistic(declared, n)
+        assert levels[1, 1] == pytest.approx(math.sqrt(works[1] / works[0]))
+        assert levels[1, 2] == pytest.approx(math.sqrt(125 / 60))
+        assert (levels[1, 3:] > 1.0).all()
 
 
-def test_intervals_narrow(sobol):
-    table = sobol["sensitivity_convergence"]
-    table = table[(table["factor"] == "C") & (table["variation"] == "uniform")]
-    for _, rows in table.groupby("case"):
-        width = (rows["total_high"] - rows["total_low"]).to_numpy()
-        assert rows["samples"].tolist() == [32, 64, 128, 256]
-        assert width[-1] < 0.6 * width[0]
+def test_a_family_in_which_nothing_varies_is_refused(declared):
+    family = declared["calibration_family"]
+    few = family[family["work_of_adhesion_J_per_m2"] != 4.5]
+    with pytest.raises(ValueError, match=r"two members or more with n = 0 .* gives 1"):
+        realistic(declared | {"calibration_family": few}, 0)
 
 
-def test_a_case_without_levels_is_named(run_study, levels):
-    table = levels["doe_levels"]
-    some = {**levels, "doe_levels": table[table["case"] != STEEL[1]]}
-    with pytest.raises(ValueError, match="n = 1' has no levels"):
-        run_study("sensitivity", some, samples=32, resamples=20)
-
-
-def test_indices_of_a_sum_are_shares_of_its_variance(settings, levels):
-    params = build(sensitivity.Params, settings.branches["sensitivity"] | {"samples": 1024})
-    rows = levels["doe_levels"].query("variation == 'uniform' and case == @STEEL[0]")
-    points = sensitivity.sampled(params, "uniform", rows, np.random.default_rng(1))
-    low, high = (rows[f"{end}_multiple"].to_numpy() for end in ("low", "high"))
-    weights = np.arange(1.0, 6.0) / (high - low)
-    response = (points @ weights).reshape(1024, -1)
-    found = sensitivity.sobol_indices(params, response, np.random.default_rng(2))
-    shares = np.arange(1.0, 6.0) ** 2 / 55.0
-    for name in ("first", "total"):
-        assert found[name] == pytest.approx(shares, abs=0.01)
-        assert (found[f"{name}_low"] < shares).all()
-        assert (shares < found[f"{name}_high"]).all()
-
-
-@pytest.mark.parametrize("without", [np.nan, np.inf])
-def test_base_samples_without_a_capture_velocity_are_left_out(without):
-    response = np.arange(20.0).reshape(4, 5)
-    response[1, 2] = without
-    np.testing.assert_array_equal(sensitivity.kept(response), response[[0, 2, 3]])
-    with pytest.raises(ValueError, match="1 of 2 base samples"):
-        sensitivity.kept(response[:2])
+def test_levels_may_not_be_given_for_an_empty_range():
+    with pytest.raises(ValueError, match="stiffness: the low level 1 "):
+        Levels(
+            stiffness=(1.0, 1.0),
+            work_of_adhesion=(0.9, 1.1),
+            radius=(0.9, 1.1),
+            adhesion_dissipation=(0.9, 1.1),
+            hertz_dissipation=(0.9, 1.1),
+        )

@@ -18,8 +18,8 @@ SPEED = 5.2  # Of its impact, m/s
 @pytest.fixture(scope="module")
 def force_history(run_study, calibration, admitted):
     """The function that runs the study of Fig. 20, its contact drawn three times beside it."""
-    inputs = {**calibration, "posterior_contacts": admitted("force_history", [{}] * 3)}
-    return partial(run_study, "force_history", inputs)
+    inputs = {**calibration, "posterior_contacts": admitted("fig20_force_history", [{}] * 3)}
+    return partial(run_study, "fig20_force_history", inputs)
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ def run(run_study, calibration):
             ("pile_up_onset",),
         ),
         (
-            "normal_experiments",
+            "fig04_05_normal_experiments",
             {
                 "case": MICA,
                 "populations": {key: {"particle": FLUORESCEIN} for key in ("SST65", "SST125")},
@@ -48,6 +48,7 @@ def test_printed_restitution_is_not_drawn_of_another_particle(run, settings):
     assert "printed" not in set(run("mechanisms", few)["causes"]["evidence"])
 
 
+SET_UPS, OBLIQUE = "fig01_03_13_19_22_schematics", "fig06_12_oblique_experiments"
 # A study, a key of its branch, a wrong value and what is said of it.
 WRONG = [
     ("pile_up", "speeds_m_per_s", [0.3, 0.2], "must ascend"),
@@ -59,9 +60,9 @@ WRONG = [
     ("interval_coverage", "cases",
      dict.fromkeys(("smooth, oblique", "rough, oblique", "slow, oblique")), "one at another angle"),
     ("pair_search", "dispenser.lateral_position_mm", 1e4, r"particles: at .* fall through the pro"),
-    ("schematics", "wavy_surface", {"place_um": 25.0, "angle_deg": 10.0},
+    (SET_UPS, "wavy_surface", {"place_um": 25.0, "angle_deg": 10.0},
      r"place_um: 25\.0 has a slope of -20"),
-    ("schematics", "wavy_surface.diameter_um", 200.0, r"diameter_um: a sphere of 200\.0 um"),
+    (SET_UPS, "wavy_surface.diameter_um", 200.0, r"diameter_um: a sphere of 200\.0 um"),
     ("particle_separation", "silica_diameter_nm", [30, 10], r"\[30, 10\] must ascend"),
     ("particle_separation", "patch_share", [0.5, 1.5], "patch_share: 1.5 must be at most 1"),
     ("particle_separation", "compared_silica_fraction", 0.5, "0.5 must be at most largest"),
@@ -70,9 +71,9 @@ WRONG = [
      r"^rolling_dissipation.angles_deg\[1\]: 90.0 must be .* 90$"),
     ("rolling_dissipation", "angles_deg", [45.0, 30.0], "must ascend"),
     ("capture_velocities", "pairs", {"nothing": {}}, "'nothing' is not declared in cases"),
-    ("oblique_experiments", "compared_series", "2 m/s", "'2 m/s' must be one of silicon front"),
-    ("oblique_experiments", "compared_with_all", ["2 m/s"], "'2 m/s' must be one of silicon front"),
-    ("oblique_experiments", "series.silicon front.figures", ["fig99"], "'fig99' must be one of fi"),
+    (OBLIQUE, "compared_series", "2 m/s", "'2 m/s' must be one of silicon front"),
+    (OBLIQUE, "compared_with_all", ["2 m/s"], "'2 m/s' must be one of silicon front"),
+    (OBLIQUE, "series.silicon front.figures", ["fig99"], "'fig99' must be one of fi"),
     ("oblique_data", "external", "wall1990", r"quantity must be one of .*got 'd"),
     ("inference", "pairs.steel-silicon.diameter_um", 50.0, "one of classes_um"),
     ("inference", "pairs.steel-silicon.laws.ring force, n free.ranges.friction", [0.2, 0.1],

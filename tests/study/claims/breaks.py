@@ -195,7 +195,9 @@ def exponent_5_2(claim, world):
 def force_history(claim, world, **factors):
     """The contact behind Fig. 20 with one property multiplied."""
     case = world.settings.branches["fig20_force_history"]["case"]
-    return world.numbers(claim, world.study("force_history", world.calibration(case, **factors)))
+    return world.numbers(
+        claim, world.study("fig20_force_history", world.calibration(case, **factors))
+    )
 
 
 def squared_sum_in_eq_20(claim, world):
@@ -247,7 +249,7 @@ def effects(world, **levels):
         return replace(realistic_levels(*arguments), **levels)
 
     world.patch.setattr(doe, "realistic_levels", other_levels)
-    return world.study("doe", {})
+    return world.study("fig24_25_doe", {})
 
 
 def levels(claim, world, factor, half):

@@ -58,7 +58,9 @@ def test_faces_of_the_mirror_that_differ_by_their_roughness_alone_are_not_said_t
 
 
 def faces(y):
-    front, back = (y(f"mirror {face}, smooth", "restitution").iloc[-1] for face in ("front", "back"))
+    front, back = (
+        y(f"mirror {face}, smooth", "restitution").iloc[-1] for face in ("front", "back")
+    )
     return abs(front - back)
 
 

@@ -13,7 +13,6 @@ from study.judge.independent import AGREES, DISAGREES, SPLIT, agreements, indepe
 from study.judge.judging import RESULT_COLUMNS
 from study.judge.words import agreement
 
-
 WORDS = {"where": "2", "quote": "q", "article": "0.7", "reason": "because"}
 NEAR, SPEED = Number(within=(0.7, 0.05)), Number(unit="m/s")
 

@@ -154,7 +154,11 @@ def test_bounds_that_leave_nothing_or_say_it_twice_are_refused(bounds, message):
 
 
 def test_numbers_that_identify_stand_before_the_criteria():
-    numbers = {"plain": Number(), "e": Number(at_most=1.0), "v": Number(at_least=1, identifies=True)}
+    numbers = {
+        "plain": Number(),
+        "e": Number(at_most=1.0),
+        "v": Number(at_least=1, identifies=True),
+    }
     claim = dataclasses.replace(DECLARED["C01"], numbers=numbers)
     assert list(claim.tests) == ["v", "e"]
     assert list(claim.criteria) == ["e"]

@@ -365,7 +365,7 @@ def test_a_link_restores_the_state(browser, page):
 
 def test_a_figure_opens_it_with_its_impact(browser, page, inputs, results):
     declared = read_rows(results / "tables/inputs.csv")
-    visit(browser, f"{page.as_uri()}#{explored('force_history', declared)}")
+    visit(browser, f"{page.as_uri()}#{explored('fig20_force_history', declared)}")
     case = "fluorescein-molybdenum, nominal"
     assert browser.find_element("id", "contact").get_attribute("value") == case
     assert text(browser, "out_vn") == "5.200 m/s"

@@ -59,7 +59,11 @@ def test_values_are_plain_and_typed():
 
 def test_all_problems_are_listed():
     config = changed(
-        fig17_coulomb_friction={"restitution": 2, "frictoin": 1, "points": {"valu": 1, "source": "x"}},
+        fig17_coulomb_friction={
+            "restitution": 2,
+            "frictoin": 1,
+            "points": {"valu": 1, "source": "x"},
+        },
         fig14_restitution_trends={"points": "many"},
         sed=1,
         seed="many",

@@ -21,14 +21,26 @@ def test_arrays_are_taken_as_lists():
 @pytest.mark.parametrize(
     ("name", "changes", "told"),
     [
-        ("fig20_force_histroy", {}, "'fig20_force_histroy' is no study .did you mean 'fig20_force_history'"),
+        (
+            "fig20_force_histroy",
+            {},
+            "'fig20_force_histroy' is no study .did you mean 'fig20_force_history'",
+        ),
         (3, {}, "3 is no study"),
         ("fig20_force_history", {"diameter": 3}, "fig20_force_history.diameter: unknown key"),
         ("fig20_force_history", {"diameter_um": -3}, "diameter_um: -3 must be greater than 0"),
-        ("fig20_force_history", {"diameter_um": 4.9e-6}, "4.9e-06 um must be from 0.001 to 5000 um"),
+        (
+            "fig20_force_history",
+            {"diameter_um": 4.9e-6},
+            "4.9e-06 um must be from 0.001 to 5000 um",
+        ),
         ("fig20_force_history", {"diameter_um": None}, "fig20_force_history.diameter_um: missing"),
         ("fig20_force_history", {"diameter_um": {1, 2}}, "must be a number, a text, a list"),
-        ("fig20_force_history", {"particles": {}}, "particles: is shared by all studies: an overlay"),
+        (
+            "fig20_force_history",
+            {"particles": {}},
+            "particles: is shared by all studies: an overlay",
+        ),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(name, changes, told):

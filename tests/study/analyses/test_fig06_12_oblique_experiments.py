@@ -1,4 +1,4 @@
-"""Figs. 4 to 12: virtual experiments against what they measure, and what the article prints."""
+"""Figs. 6 to 12: virtual experiments at oblique incidence, and what the article prints."""
 
 from __future__ import annotations
 
@@ -8,40 +8,19 @@ import pytest
 
 from microimpact.model.contact import resized
 from microimpact.model.dynamics.impact import simulate
-from study.analyses.campaign import compute as campaign
 from study.contacts import calibrated_contact
-from study.declared.parameters import build
-from study.tables import parse_table
 
 
 @pytest.fixture(scope="module")
 def oblique(run_study, calibration):
     return run_study(
-        "oblique_experiments", calibration, angles_deg=[85, 60, 45, 30, 20, 10], points=90
+        "fig06_12_oblique_experiments", calibration, angles_deg=[85, 60, 45, 30, 20, 10], points=90
     )
 
 
 @pytest.fixture(scope="module")
 def angles(oblique):
     return oblique["oblique_experiments"].set_index(["series", "angle_deg"])
-
-
-def test_energy_loss_is_one_minus_the_mean_square(run_study, calibration):
-    tables = run_study("fig04_05_normal_experiments", calibration, speeds_m_per_s=[1.25], points=60)
-    row = tables["normal_experiments"].set_index("population").loc["SST125"]
-    # The mean of e^2 exceeds the square of the mean by the variance alone.
-    assert row["energy_loss"] == pytest.approx(1.0 - row["restitution"] ** 2, abs=2e-3)
-
-
-def test_an_experiment_without_enough_events_has_no_point(run_study, calibration):
-    stop = {"events": 40, "fewest_events": 10, "most_dropped": 4000}
-    tables = run_study(
-        "normal_experiments", calibration, speeds_m_per_s=[0.25, 1.0], points=20, stop=stop
-    )
-    table = tables["normal_experiments"].set_index(["population", "nominal_speed_m_per_s"])
-    assert np.isnan(table.loc[("SST65", 0.25), "restitution"])
-    marks = tables["fig04"].query("series == 'SST65' and evidence == 'virtual experiment'")
-    assert (marks["x_m_per_s"] > 0.9).all()
 
 
 def test_coulomb_curves_roll_with_the_restitution_of_their_own_contact(
@@ -64,40 +43,6 @@ def test_coulomb_curves_roll_with_the_restitution_of_their_own_contact(
         e = simulate(contact, 1.66).coefficient_of_restitution
         rolling = 2.0 / 7.0 / np.tan(np.radians(rows["x_deg"])) / (1.0 + e)
         assert rows["y_1"].to_numpy() == pytest.approx(rolling.to_numpy(), rel=1e-4)
-
-
-@pytest.mark.parametrize(("speed", "angle"), [(1.05, 90), (1.66, 45)])
-def test_the_same_experiment_gives_the_same_number_in_every_study(
-    settings, run_study, calibration, speed, angle
-):
-    """Of one speed class and spin: by Fig. 4 or Fig. 6, and in the campaign."""
-    branch = settings.branches["campaign"]
-    window = 0.1 if angle == 90 else 0.036
-    ends = [speed * (1 - window), speed * (1 + window)]
-    speeds = [{"speed_m_per_s": speed, "speed_range_m_per_s": ends}]
-    size = "SST125" if angle == 90 else "SST76"
-    block = branch["blocks"]["normal impacts of SST125" if angle == 90 else "fast impacts"]
-    own = {"one": {**block, "speeds": speeds, "angles_deg": [angle]}}
-    params = build(campaign.Params, {**branch, "blocks": own})
-    declared = settings.rows["campaign"].items()
-    inputs = {**calibration, **{name: parse_table(text) for name, text in declared}}
-    (one,) = campaign.experiments(params, params.blocks["one"], inputs)
-    if angle == 90:
-        found = run_study(
-            "fig04_05_normal_experiments", calibration, speeds_m_per_s=[speed], points=10
-        )
-        rows = found["normal_experiments"].set_index("population")
-    else:
-        size = "silicon front"
-        changes = {
-            "series": {size: {"speed_range_m_per_s": ends}},
-            "angles_deg": [angle],
-            "reference_angle_deg": angle,
-        }
-        found = run_study("fig06_12_oblique_experiments", calibration, points=10, **changes)
-        rows = found["oblique_experiments"].set_index("series")
-    names = ("dropped", "events", "restitution", "restitution_low", "restitution_high")
-    assert [rows.loc[size, name] for name in names] == [one[name] for name in names]
 
 
 def test_the_mean_of_all_rebounds_shows_what_the_imaging_leaves_out(oblique, angles):
@@ -125,7 +70,7 @@ def test_marks_vanish_where_their_series_is_of_another_impact(run_study, calibra
     marks = {}
     for name, changes in {"shipped": {}, "changed": {"silicon front": impact}}.items():
         tables = run_study(
-            "oblique_experiments", calibration, series=changes, angles_deg=[85], points=10
+            "fig06_12_oblique_experiments", calibration, series=changes, angles_deg=[85], points=10
         )
         marks[name] = {
             figure: set(tables[figure].query("evidence == 'printed'")["series"])
