@@ -77,6 +77,8 @@ COLUMNS = {
 # Restitutions of a code, by the cases of `microimpact.model.reference`; above `MOST` none is e.
 CASES = {"case": Column(), "v": BEFORE, "e": RESTITUTION}
 MOST = 2.0
+# V and e v agree to this share of v, that of rounded numbers.
+AGREEING = 0.01
 # A standard deviation is below this share of the whole.
 HALF = 0.5
 _YES, _NO = {"yes", "true", "1", "captured"}, {"no", "false", "0", "rebound"}
@@ -158,7 +160,7 @@ def read_rebounds(
     ----------
     source
         The file (UTF-8, UTF-16 or Latin-1), or the table, with the columns `COLUMNS`, of which v
-        and e or V are needed; others are left out. Lines that begin with ``#`` or ``%`` are
+        and e or V are needed (both must agree); others are left out. Lines that begin with ``#`` or ``%`` are
         comments, rows without their numbers are skipped; ``notes`` says so. A captured sphere has
         ``captured`` yes, or e (or V) 0, and needs no ``sigma``: it takes the median one of the
         others.
@@ -173,8 +175,8 @@ def read_rebounds(
         ``"."`` or ``","``; None: as the numbers are written.
     sigma, sigma_v, size_scatter
         Standard deviation of e, of v (m/s, or ``"1.5%"``) and of d (``0.07``, ``"7%"`` or
-        ``"free"``) where no column has them. Where e is V/v, sigma is that at an exact v, and the
-        error of v is added to it.
+        ``"free"``) where no column has them. With V alone sigma is that at an exact v, and the
+        error of v is added to it; with e and V it has this error, and their covariance is added.
     skip_bad_rows
         Whether rows with a wrong number are left out, and named in ``notes``.
 
@@ -212,7 +214,7 @@ def read_rebounds(
     scatter = _relative(table, "d", size, "sigma_d", size_scatter)
     arrays |= {k: x for k, x in {"d": size, "size_scatter": scatter}.items() if x is not None}
     lacking = np.any([np.isnan(x) & ~captured for x in table.numbers.values()], axis=0)
-    needed = [x for k, x in table.numbers.items() if k not in {after, "sigma"}]
+    needed = [x for k, x in table.numbers.items() if k not in {"e", "V", "sigma"}]
     lacking |= np.any([np.isnan(x) for x in needed], axis=0)
     rows, others = table.kept(lacking, skip_bad_rows=skip_bad_rows)
     kept: dict[str, Any] = {name: np.array(x[rows]) for name, x in arrays.items()}
@@ -220,8 +222,8 @@ def read_rebounds(
         known = kept["sigma"][np.isfinite(kept["sigma"])]
         median = np.median(known) if known.size else 1.0  # no sphere rebounds
         kept["sigma"] = np.where(np.isfinite(kept["sigma"]), kept["sigma"], median)
-        if after == "V" and "sigma_v" in kept:
-            kept["sigma"] = _of_ratio(**kept)
+        if "V" in table.cells and "sigma_v" in kept:
+            kept["sigma"] = _of_ratio(**kept, exact=after == "V")
     total = kept.pop("total")
     notes += [*others, *implausible({"normal_speed": kept["v"], "diameter": kept.get("d")})]
     if "angle" in table.numbers:
@@ -234,9 +236,9 @@ def read_rebounds(
 def _require_columns(table: Table) -> None:
     """Raise ValueError if a column is missing, or two have the same thing."""
     has = table.cells
-    if "v" not in has or ("e" in has) == ("V" in has):
+    if "v" not in has or not {"e", "V"} & {*has}:
         raise ValueError(
-            f"{table.name}: the columns v and either e or V are needed, got "
+            f"{table.name}: the columns v and e or V are needed, got "
             f"{', '.join(map(repr, [*has, *table.ignored]))}; other names go by "
             "--columns v=NAME,e=NAME"
         )
@@ -296,6 +298,10 @@ def _restitutions(
         words = [cell + _percent(x) for cell, x in zip(table.cells["e"], e, strict=True)]
     good = np.isnan(e) | ((e >= 0.0) & (e <= 1.0 + noise))
     table.require(after, good, allowed, words)
+    if after == "e" and "V" in table.cells:
+        rebound = np.abs(table.numbers["V"])
+        good = np.isnan(e) | (np.abs(rebound - e * v) <= AGREEING * v)
+        table.require("V", good, "e times the normal speed")
     return {"e": e} if sigma is None else {"e": e, "sigma": sigma}
 
 
@@ -351,15 +357,17 @@ def _percent(e: float) -> str:
 
 
 def _of_ratio(
-    v: FloatArray, e: FloatArray, sigma: FloatArray, sigma_v: FloatArray, **_: Any
+    v: FloatArray, e: FloatArray, sigma: FloatArray, sigma_v: FloatArray, *, exact: bool, **_: Any
 ) -> FloatArray:
-    """Standard deviation of e = V/v with the error of v in it, for a fit that knows sigma_v.
+    """Standard deviation of e = V/v with its share of the error of v, for a fit that knows sigma_v.
 
     An error of v moves V/v off the curve at v by (e + v de/dv)/v of it, of which the fit has the
-    second part alone. With the covariance e^2 + v d(e^2)/dv is left, here for a loss of energy that
-    does not depend on the speed: the latter is then 2 (e_max^2 - e^2).
+    second part alone. Where sigma is that at an ``exact`` v, e^2 is left, and the covariance
+    v d(e^2)/dv in any case, here for a loss of energy that does not depend on the speed: it is
+    then 2 (e_max^2 - e^2).
     """
-    missing = np.where(e > 0.0, 2.0 * np.max(e) ** 2 - e**2, 0.0)
+    missing = 2.0 * (np.max(e) ** 2 - e**2) + (e**2 if exact else 0.0)
+    missing = np.where(e > 0.0, missing, 0.0)
     return np.asarray(np.sqrt(sigma**2 + (sigma_v / v) ** 2 * missing))
 
 

@@ -24,9 +24,14 @@ SPEED_UNITS = {**SPEED, "cm/s": 1e-2, "um/s": 1e-6, "km/h": 1.0 / 3.6}
 SIZE_UNITS = {**LENGTH, "cm": 1e-2}
 SHARE_UNITS = {"": 1.0, "1": 1.0, "-": 1.0, "%": 1e-2}
 ANGLE_UNITS = {"deg": 1.0, "rad": 180.0 / np.pi}
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+# Pixels are told from metres by the unit.
+PLACE_UNITS = {"px": 1.0, **SIZE_UNITS}
 # Kinds of columns whose unit may be that of another one, or of an option.
-SPEEDS, SIZES = "speeds", "sizes"
-OPTIONS = {SPEEDS: ("m/s", SPEED_UNITS), SIZES: ("m", SIZE_UNITS)}
+SPEEDS, SIZES, PLACES = "speeds", "sizes", "places"
+OPTIONS = {SPEEDS: ("m/s", SPEED_UNITS), SIZES: ("m", SIZE_UNITS), PLACES: ("px", PLACE_UNITS)}
+# Lines above the numbers that may be the header, and others that repeat it.
+HEADERS = 4
 
 # Cells without a number, as people and programs write them.
 MISSING = {"", "-", "--", "n.d.", "nd", "n/a", "na", "<na>", "nan", "nat", "none", "null"}
@@ -38,6 +43,7 @@ NAMED = 10
 _OTHER = {".": ",", ",": "."}
 _WORDS = {"percent": "%", "degree": "deg", "degrees": "deg", "°": "deg", "radians": "rad"}
 _WORDS |= dict.fromkeys(("micron", "microns", "micrometer", "micrometre", "micrometers"), "um")
+_WORDS |= {"pixel": "px", "pixels": "px", "sec": "s", "seconds": "s", "msec": "ms"}
 _PER_TIME = re.compile(
     r"([cmku]?m)(?:[\s_.·*/]*|[\s_]*per[\s_]*|p)(s|sec|h)\s*(?:\^?-1|⁻¹|\*\*-1)?"
 )
@@ -57,12 +63,15 @@ class Column:
         Factors to SI; none for words.
     names
         Usual names beside its own, in lower case; those of one letter as they are.
+    letters
+        Names of one letter that need no unit.
     kind
         `SPEEDS` or `SIZES`, whose unit may stand elsewhere.
     """
 
     units: Mapping[str, float] = field(default_factory=dict)
     names: tuple[str, ...] = ()
+    letters: tuple[str, ...] = ()
     kind: str = ""
 
 
@@ -171,8 +180,8 @@ def read_table(
     Parameters
     ----------
     source
-        The file or the table. Lines that begin with ``#`` or ``%`` are comments. The first row may
-        hold the units.
+        The file or the table. Lines that begin with ``#`` or ``%`` are comments. A title may stand
+        above the header; the rows below it may repeat it, or hold the units.
     wanted
         Columns that are looked for, by their names.
     units
@@ -191,13 +200,15 @@ def read_table(
     """
     options = {kind: _option(kind, unit) for kind, unit in units.items() if unit is not None}
     if isinstance(source, str | Path):
-        name, header, rows = _file(Path(source), delimiter)
+        name, header, rows = _file(Path(source), delimiter, wanted, columns or {})
     else:
         name, header, rows = _in_memory(source)
         decimal = "."
     places, stated = _places(name, header, wanted, columns or {}, options)
     width = max((at for at, cell in enumerate(header, 1) if cell), default=0)
     numeric = [column for column in places if wanted[column].units]
+    while len(rows) > 1 and _repeats(rows[0][1], {k: places[k] for k in numeric}, wanted):
+        rows = rows[1:]
     first = {column: rows[0][1][at] for column, at in places.items() if at < len(rows[0][1])}
     if below := _row_of_units(f"{name}, {rows[0][0]}", first, numeric, wanted):
         if twice := [each for each in below if stated.get(each, below[each]) != below[each]]:
@@ -228,7 +239,9 @@ def read_table(
     return Table(name, where, texts, numbers, units_of, known, ignored, bad)
 
 
-def _file(path: Path, delimiter: str | None) -> tuple[str, list[str], list[tuple[str, list[str]]]]:
+def _file(
+    path: Path, delimiter: str | None, wanted: Mapping[str, Column], renamed: Mapping[str, str]
+) -> tuple[str, list[str], list[tuple[str, list[str]]]]:
     """Name, header, and rows with their places, of a text file."""
     lines = [
         (f"line {at}", line)
@@ -238,11 +251,33 @@ def _file(path: Path, delimiter: str | None) -> tuple[str, list[str], list[tuple
     if len(lines) < 2:
         what = "data below the header" if lines else "header"
         raise ValueError(f"{path.name}: no {what}")
-    separator = _separator(lines[0][1], delimiter)
+    names = {*renamed.values(), *wanted}.union(*(of.names + of.letters for of in wanted.values()))
+
+    def named(at: int) -> int:
+        """How many columns a line names."""
+        try:
+            cells = _cells("", lines[at][1], _separator(lines[at][1], delimiter))
+        except ValueError:
+            return 0
+        return sum(any({name, _plain(name)} & names for name, *_ in _readings(c)) for c in cells)
+
+    title = max(range(min(HEADERS, len(lines) - 1)), key=named)
+    separator = _separator(lines[title][1], delimiter)
     header, *rows = [
-        (where, _cells(f"{path.name}, {where}", line, separator)) for where, line in lines
+        (where, _cells(f"{path.name}, {where}", line, separator)) for where, line in lines[title:]
     ]
     return path.name, header[1], rows
+
+
+def _repeats(
+    cells: Sequence[str], places: Mapping[str, int], columns: Mapping[str, Column]
+) -> bool:
+    """Tell whether a row has the names of its columns in place of numbers."""
+    words = {k: cells[at] for k, at in places.items() if at < len(cells)}
+    words = {k: word for k, word in words.items() if word.lower() not in MISSING}
+    return bool(words) and all(
+        _plain(word) in {k, *columns[k].names, *columns[k].letters} for k, word in words.items()
+    )
 
 
 def _text(path: Path) -> str:
@@ -316,7 +351,7 @@ def _places(
     usual = {
         alias: name
         for name, column in columns.items()
-        for alias in (name, *column.names)
+        for alias in (name, *column.names, *column.letters)
         if name not in renamed
     }
     for name in renamed:
@@ -365,7 +400,8 @@ def _meaning(
             continue
         if not tail:
             # Many a quantity has a name of one letter: but for ours, it needs a unit.
-            if whole is None and (len(name) > 1 or name in {*columns, *titles}):
+            letters = {*columns, *titles, *columns[column].letters}
+            if whole is None and (len(name) > 1 or name in letters):
                 return column, ""
             continue
         unit = unit_of(tail, columns[column].units)

@@ -267,7 +267,7 @@ class Leg:
     weights
         Of the points in the fitted velocity, 1/s, shape (..., m).
     origin, velocity
-        Of the path at the first dash, m and m/s, shape (..., 2).
+        Of the path at the time 0, that of the first dash, m and m/s, shape (..., 2).
     gravity
         Downward acceleration of the path, m/s2.
     residual
@@ -366,36 +366,38 @@ def fit_track(
     legs = []
     for places, count, outward in ((incident, used[0], False), (rebound, used[1], True)):
         points = (places - setup.centre) * [setup.pixel, -setup.pixel]
-        leg = fit_path(points, setup.chop_rate, pull, count)
+        leg = fit_path(points, np.arange(points.shape[-2]) / setup.chop_rate, pull, count)
         legs.append(to_surface(leg, setup, outward=outward))
     velocities = np.stack([to_target(leg.contact_velocity, setup) for leg in legs], axis=-2)
     return Track(incident=legs[0], rebound=legs[1], velocities=velocities)
 
 
-def fit_path(points: FloatArray, rate: float, pull: float, used: BoolArray | None = None) -> Leg:
+def fit_path(
+    points: FloatArray, time: FloatArray, pull: float, used: BoolArray | None = None
+) -> Leg:
     """Fit a leg, by least squares, with constant horizontal velocity and vertical acceleration.
 
     Parameters
     ----------
     points
         Points of the leg, (..., m, 2).
-    rate
-        Pulses per second.
+    time
+        Of the points, s, (..., m).
     pull
         Vertical acceleration, in the unit of the points per s2.
     used
-        Which points count, (..., m); all if None.
+        Which points count, two or more, (..., m); all if None.
     """
     used = np.ones(points.shape[:-1], dtype=bool) if used is None else used
     # Sums run over the last axis but one, point by point: points that do not count change nothing.
-    number = np.sum(used, axis=-1, keepdims=True)
-    time, middle = np.arange(points.shape[-2]) / rate, 0.5 * (number - 1) / rate
-    share = used / number
-    weights = used * (time - middle) * 12.0 * rate**2 / (number * (number**2 - 1.0))
-    level = points + 0.5 * np.array([0.0, pull]) * time[:, None] ** 2
+    share = used / np.sum(used, axis=-1, keepdims=True)
+    middle = np.sum((share * time)[..., None], axis=-2)
+    away = used * (time - middle)
+    weights = away / np.sum(np.square(away)[..., None], axis=-2)
+    level = points + 0.5 * np.array([0.0, pull]) * time[..., None] ** 2
     velocity = np.sum(weights[..., None] * level, axis=-2)
     origin = np.sum(share[..., None] * level, axis=-2) - velocity * middle
-    off = level - origin[..., None, :] - velocity[..., None, :] * time[:, None]
+    off = level - origin[..., None, :] - velocity[..., None, :] * time[..., None]
     return Leg(
         points=points,
         weights=weights,
