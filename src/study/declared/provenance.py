@@ -47,6 +47,8 @@ class Declared:
     overrides: str = ""
     # Of a value in use: dotted key in the configuration, analysis, then parameter.
     key: str = ""
+    # As its table says it; that of a key of the configuration is in its name.
+    given_unit: str = ""
 
     @property
     def is_kept(self) -> bool:

@@ -93,6 +93,7 @@ class Resolver:
     def __init__(
         self, config: Mapping[str, Any], shipped: Mapping[str, Any], sections: Collection[str]
     ) -> None:
+        self.base = shipped
         self.problems: list[str] = []
         self.rows: list[Declared] = []
         self.aliases: dict[str, str] = {}
