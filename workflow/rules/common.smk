@@ -109,7 +109,7 @@ def parameters(analysis):
     return {
         "analysis": analysis,
         "branch": Digested(SETTINGS.branches[analysis]),
-        "rows": Digested(INPUTS.rows[analysis]),
+        "rows": Digested(SETTINGS.rows[analysis]),
         "is_shipped": not CHANGED.get(analysis),
         **code(analyses.homes()[analysis], script="run_analysis.py"),
     }

@@ -23,7 +23,7 @@ rule explorer:
         "<results>/benchmarks/explorer.tsv"
     params:
         **code("study.report.explorer.build", script="write_explorer.py", files=PAGES),
-        rows=Digested(SETTINGS.tables.contact_rows()),
+        rows=Digested(SETTINGS.tables.whole(("materials", "contacts"))),
     script:
         "../scripts/write_explorer.py"
 
@@ -49,7 +49,7 @@ rule report:
                 config=config,
                 shipped=SHIPPED,
                 figures={name: figure.entry() for name, figure in FIGURES.items()},
-                rows=INPUTS.rows,
+                rows=SETTINGS.rows,
                 project=PROJECT,
             ).plain()
         ),

@@ -7,9 +7,13 @@ rule and of its test. Its module, or ``compute`` in its folder, defines a frozen
 its folder declares its figures beside the functions that draw them. If it takes tables of earlier
 analyses, ``NEEDS`` names them by the analysis that makes them. They are among the inputs by their
 names, and so are declared rows: ``materials`` and ``contacts`` of what the parameters name, and as
-``printed`` the printed values that they name or that ``PRINTED_VALUES`` lists. If its parameters
-must agree with those of an analysis that it needs, ``disagreements(params, others)`` yields a line
-for each that does not, which is told before anything is made.
+``printed`` the printed values that they name or that ``PRINTED_VALUES`` lists; in whole, those of
+``WHOLE_TABLES``.
+
+What an analysis says of the inputs is told before anything is made, a line for each that is wrong:
+``disagreements(params, others, laboratory)`` where its parameters must agree with those of an
+analysis that it needs, or with the laboratory; ``lacking(params, cases)`` of contacts that others
+name and it does not make. ``declared_names(branch)`` are names that others may refer to.
 """
 
 from __future__ import annotations
@@ -57,6 +61,14 @@ def printed(name: str) -> tuple[str, ...]:
     Raises KeyError if there is no such analysis.
     """
     return tuple(getattr(analysis(name), "PRINTED_VALUES", ()))
+
+
+def whole(name: str) -> tuple[str, ...]:
+    """Return the declared tables that an analysis is given in whole.
+
+    Raises KeyError if there is no such analysis.
+    """
+    return tuple(getattr(analysis(name), "WHOLE_TABLES", ()))
 
 
 @cache

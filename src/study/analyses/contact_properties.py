@@ -12,6 +12,8 @@ from microimpact.model.pairs import pair_contact
 from study.contacts import declared
 from study.tables import Tables
 
+WHOLE_TABLES = ("materials", "contacts")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:

@@ -8,6 +8,7 @@ import pandas as pd
 
 from study.tables import Tables
 
+WHOLE_TABLES = ("declared", "materials", "contacts", "printed_values", "external")
 COLUMNS = [
     *("file", "key", "value", "low", "high", "unit", "evidence", "source"),
     *("origin", "overrides"),

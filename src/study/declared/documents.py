@@ -87,6 +87,11 @@ def load(path: Path | str) -> dict[str, Any]:
     return content
 
 
+def entries(node: object) -> Mapping[str, Any]:
+    """Return a mapping, or an empty one in place of anything else."""
+    return node if isinstance(node, Mapping) else {}
+
+
 Pairs = Mapping[str, tuple[str, str]]
 NO_PAIRS: Pairs = {}
 _PLACE = re.compile(r"\[\[([^\[\]:]+)(?::([^\]]*))?\]\]")
@@ -149,7 +154,7 @@ def _named(node: Any) -> Mapping[str, Any]:
     """Return the entries of a mapping, or of a list by their numbers."""
     if isinstance(node, list | tuple):
         return {str(number): item for number, item in enumerate(node)}
-    return node if isinstance(node, Mapping) else {}
+    return entries(node)
 
 
 def _materials(node: Any, pairs: Pairs) -> dict[str, list[str]]:

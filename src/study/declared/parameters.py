@@ -134,64 +134,51 @@ def adapter(kind: Any) -> TypeAdapter[Any]:
     return TypeAdapter(kind)
 
 
-@dataclass(frozen=True, slots=True)
-class Shape:
-    """Form of a type in the files: its dataclasses or its items."""
+def bare(hint: Any) -> Any:
+    """Return a type without its constraints."""
+    return hint.__origin__ if typing.get_origin(hint) is Annotated else hint
 
-    classes: tuple[type, ...] = ()
-    hint: Any = object  # Of its items, if it holds some
-    stream: str = ""  # Name of the random numbers of a seed, if not that of its analysis
 
-    @property
-    def item(self) -> Shape:
-        """The shape of one item."""
-        return shape(self.hint)
-
-    @property
-    def is_numbers(self) -> bool:
-        """Whether its items are numbers."""
-        return getattr(self.hint, "__origin__", self.hint) in {int, float}
-
-    @property
-    def kinds(self) -> Mapping[object, Shape]:
-        """The dataclasses, if there are several, each by its kind."""
-        several = [Shape((each,)) for each in self.classes] if len(self.classes) > 1 else []
-        return {
-            kind: each for each in several for kind in typing.get_args(each.fields()[KIND].hint)
-        }
-
-    def fields(self, kind: object = None) -> Mapping[str, Shape]:
-        """Return the shape of every field, of the dataclass of that kind if there are several."""
-        if len(self.classes) == 1:
-            return _fields(self.classes[0])
-        variant = self.kinds.get(getattr(kind, "value", kind))
-        return variant.fields() if variant else {}
+def _arguments(hint: Any) -> tuple[list[Any], bool]:
+    """Return the types that make up a type, and whether it is a union of these."""
+    of = bare(hint)
+    arguments = [a for a in typing.get_args(of) if a is not Ellipsis and a is not types.NoneType]
+    return arguments, typing.get_origin(of) in {typing.Union, types.UnionType}
 
 
 @cache
-def _fields(kind: type) -> dict[str, Shape]:
-    hints = typing.get_type_hints(kind, include_extras=True)
-    return {name: shape(hint) for name, hint in hints.items()}
+def classes(hint: Any) -> tuple[type, ...]:
+    """Return the dataclasses that a type stands for: one, several that a kind tells, or none."""
+    arguments, is_union = _arguments(hint)
+    if is_union:
+        return tuple(found for each in arguments for found in classes(each))
+    return (bare(hint),) if is_dataclass(bare(hint)) else ()
 
 
 @cache
-def shape(hint: Any) -> Shape:
-    """Return the form of a type in the files."""
-    marks: tuple[Any, ...] = ()
-    while typing.get_origin(hint) is Annotated:
-        marks += hint.__metadata__
-        hint = hint.__origin__
-    if isinstance(hint, type) and is_dataclass(hint):
-        return Shape(classes=(hint,))
-    arguments = [a for a in typing.get_args(hint) if a is not Ellipsis and a is not types.NoneType]
-    if typing.get_origin(hint) in {typing.Union, types.UnionType}:
-        parts = [shape(a) for a in arguments]
-        classes = tuple(c for part in parts for c in part.classes)
-        return Shape(classes=classes) if classes else parts[0]
-    if typing.get_origin(hint) is typing.Literal:
-        return Shape(hint=hint)
-    stream = next((mark for mark in marks if isinstance(mark, str)), "")
-    return Shape(hint=arguments[-1] if arguments else object, stream=stream)
+def kinds(hint: Any) -> dict[object, type]:
+    """Return the dataclasses, if there are several, each by its kind."""
+    several = classes(hint)
+    if len(several) < 2:
+        return {}
+    return {kind: each for each in several for kind in typing.get_args(fields(each)[KIND])}
+
+
+@cache
+def fields(hint: Any, kind: object = None) -> dict[str, Any]:
+    """Return the types of the fields, of the dataclass of that kind if there are several."""
+    several = classes(hint)
+    one = several[0] if len(several) == 1 else kinds(hint).get(kind)
+    return typing.get_type_hints(one, include_extras=True) if one else {}
+
+
+@cache
+def item(hint: Any) -> Any:
+    """Return the type of the items of a list or mapping; ``object`` if it is neither."""
+    arguments, is_union = _arguments(hint)
+    if is_union:
+        return item(arguments[0])
+    return arguments[-1] if arguments else object
 
 
 def build(kind: type[T], values: Mapping[str, Any], known: Known | None = None) -> T:
@@ -230,42 +217,42 @@ def explain(
     """
     errors = error.errors(include_url=False)
     # A list counts as too short without the items that are refused in lines of their own.
-    inner = {item["loc"][:-1] for item in errors}
+    inner = {each["loc"][:-1] for each in errors}
     return [
-        _line(item, kind, key, aliases or {})
-        for item in errors
-        if item["type"] != "too_short" or item["loc"] not in inner
+        _line(each, kind, key, aliases or {})
+        for each in errors
+        if each["type"] != "too_short" or each["loc"] not in inner
     ]
 
 
-def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, str]) -> str:
-    here, dotted, written = shape(kind), key, key
-    fields: Iterable[str] = ()
-    for part in item["loc"]:
-        if part in here.kinds:  # which variant the validator took stands in no file
-            here = here.kinds[part]
+def _line(error: Mapping[str, Any], kind: Any, key: str, aliases: Mapping[str, str]) -> str:
+    here, dotted, written = kind, key, key
+    known: Iterable[str] = ()
+    for part in error["loc"]:
+        if part in kinds(here):  # which variant the validator took stands in no file
+            here = kinds(here)[part]
             continue
         if part == "[key]":  # the name of an item itself
             continue
-        fields = here.fields()
-        here = here.item if isinstance(part, int) else here.fields().get(part, here.item)
+        known = fields(here)
+        here = known.get(part, item(here))
         written = dotted + (f"[{part}]" if isinstance(part, int) else f".{part}")
         written = written.removeprefix(".")
         dotted = _file_key(written, aliases)
-    if item["type"] in {"extra_forbidden", "unexpected_keyword_argument"}:
-        return f"{written}: unknown key{nearest(str(item['loc'][-1]), fields)}"
-    if item["type"] in {"missing", "missing_keyword_only_argument", "missing_argument"}:
+    if error["type"] in {"extra_forbidden", "unexpected_keyword_argument"}:
+        return f"{written}: unknown key{nearest(str(error['loc'][-1]), known)}"
+    if error["type"] in {"missing", "missing_keyword_only_argument", "missing_argument"}:
         return f"{dotted}: missing"
-    if item["type"] in {"union_tag_invalid", "union_tag_not_found"}:
-        tag = item.get("ctx", {}).get("tag")
+    if error["type"] in {"union_tag_invalid", "union_tag_not_found"}:
+        tag = error.get("ctx", {}).get("tag")
         fault = "missing, it" if tag is None else repr(tag)
         where = _file_key(f"{dotted}.{KIND}", aliases)
-        return f"{where}: {fault} must be one of {', '.join(map(str, here.kinds))}"
-    if item["type"] != "value_error":
-        return f"{dotted}: {item['input']!r} {_wanted(item, here)}"
-    message = item["msg"].removeprefix("Value error, ")
+        return f"{where}: {fault} must be one of {', '.join(map(str, kinds(here)))}"
+    if error["type"] != "value_error":
+        return f"{dotted}: {error['input']!r} {_wanted(error, here)}"
+    message = error["msg"].removeprefix("Value error, ")
     name, colon, rest = message.partition(": ")
-    if colon and name in here.fields():  # of a field, seen with the others
+    if colon and name in fields(here):  # of a field, seen with the others
         return f"{_file_key(f'{dotted}.{name}'.removeprefix('.'), aliases)}: {rest}"
     return f"{dotted}: {message}"
 
@@ -279,23 +266,23 @@ def _file_key(key: str, aliases: Mapping[str, str]) -> str:
 _LENGTHS = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}
 
 
-def _wanted(item: Mapping[str, Any], here: Shape) -> str:
+def _wanted(error: Mapping[str, Any], here: Any) -> str:
     """Describe the values that are allowed."""
-    problem = item["type"]
+    problem = error["type"]
     if problem in {"tuple_type", "list_type"}:
-        return f"must be a list, as [{item['input']}]"
+        return f"must be a list, as [{error['input']}]"
     if problem in _LENGTHS:
         words, bound = _LENGTHS[problem]
-        return f"must hold {words} {item['ctx'][bound]}"
+        return f"must hold {words} {error['ctx'][bound]}"
     if problem == "string_too_short":
         return "must not be empty"
-    if here.kinds:
-        return f"must be a mapping with the key {KIND}: {', '.join(map(str, here.kinds))}"
-    if here.classes:
+    if kinds(here):
+        return f"must be a mapping with the key {KIND}: {', '.join(map(str, kinds(here)))}"
+    if classes(here):
         return "must be a mapping"
-    wanted = str(item["msg"]).replace("Input should", "must").replace("String should", "must")
+    wanted = str(error["msg"]).replace("Input should", "must").replace("String should", "must")
     wanted = wanted.replace("an object", "a mapping")
-    return f"{wanted}{_hint(item['input'], problem)}"
+    return f"{wanted}{_hint(error['input'], problem)}"
 
 
 def _hint(value: object, problem: str) -> str:

@@ -28,7 +28,7 @@ EVIDENCE = {
 _WORDS = ("evidence", "source")
 _PARTS = ("value", "values", *_WORDS)
 # In place of a value: the one that is named, in other words.
-_KEPT = object()
+KEPT = object()
 
 _SYMBOL = r"(?:um|mm|nm|ms|us|ns|px|counts|kHz|deg|rad|GPa|MPa|Pa|kg|mN|uN|uC|[mgsNJKV])\d?"
 _SUFFIX = re.compile(rf"_({_SYMBOL}(?:_per_{_SYMBOL})*|per_s)$")
@@ -47,11 +47,8 @@ class Declared:
     overrides: str = ""
     # Of a value in use: dotted key in the configuration, analysis, then parameter.
     key: str = ""
-
-    @property
-    def is_kept(self) -> bool:
-        """Whether it gives other words for a value that is named."""
-        return self.value is _KEPT
+    # As its table says it; that of a key of the configuration is in its name.
+    given_unit: str = ""
 
     @property
     def unit(self) -> str:
@@ -129,7 +126,7 @@ def as_declared(node: Any, base: object, origin: str) -> Declared:
         if left and before != value:
             words = "user", f"changed from the shipped {before}"
         if "value" not in node and "values" not in node:
-            value = _KEPT
+            value = KEPT
     elif value == before and not is_declaration(base) and not _has_number(value):
         words = "chosen", "as shipped"
     else:

@@ -16,11 +16,11 @@ from zlib import crc32
 import numpy as np
 
 from microimpact.core.nearest import nearest
-from study.declared.parameters import KIND, Shape, shape
-from study.declared.provenance import Declared, as_declared, as_text, is_declaration, problems
+from study.declared.documents import entries
+from study.declared.parameters import KIND, bare, classes, fields, item, kinds
+from study.declared.provenance import KEPT, Declared, as_declared, as_text, is_declaration, problems
 
 FROM, SEED = "from", "seed"
-NOTHING = "names nothing"
 # Figures in the name of an analysis; one more of them moves no number that it draws.
 _FIGURES = re.compile(r"^fig(\d\d_)+")
 
@@ -68,6 +68,14 @@ class _Reference:
     key: str
 
 
+class _FaultyError(ValueError):
+    """A reference to nothing, with the key under which it stands."""
+
+    def __init__(self, key: str, line: str) -> None:
+        super().__init__(f"{key}.{FROM}: {line}")
+        self.key = key
+
+
 class Resolver:
     """A configuration whose branches refer to values that its sections declare.
 
@@ -75,7 +83,7 @@ class Resolver:
     ----------
     config
         The merged configuration.
-    shipped
+    base
         As it comes with the project: what differs from it is the user's.
     sections
         Top-level keys that can be referred to.
@@ -91,147 +99,139 @@ class Resolver:
     """
 
     def __init__(
-        self, config: Mapping[str, Any], shipped: Mapping[str, Any], sections: Collection[str]
+        self, config: Mapping[str, Any], base: Mapping[str, Any], sections: Collection[str]
     ) -> None:
+        self.base = base
         self.problems: list[str] = []
         self.rows: list[Declared] = []
         self.aliases: dict[str, str] = {}
-        self._laboratory = frozenset(sections)
-        self._sections = set(sections)  # All that can be referred to
         self._nodes = {
-            str(key): self._parsed(node, shipped.get(key), str(key)) for key, node in config.items()
+            str(k): self._parsed(node, base.get(k), str(k)) for k, node in config.items()
         }
+        # All that can be referred to.
+        self._shared = {name: self._nodes[name] for name in sections if name in self._nodes}
+        self._places = {place for node in self._shared.values() for place in _places(node)}
 
     def resolved(self, kind: Any, key: str) -> Any:
         """Return the plain values of a top-level key, its references resolved.
 
         By the type of its parameters: a reference gives the fields that this has.
         """
-        return self._plain(shape(kind), self._nodes.get(key), key)
+        return self._plain(kind, self._nodes.get(key), key)
 
     def declare(self, section: str, names: Mapping[str, Any]) -> None:
         """Add a section of declared tables, by the name that references use."""
-        self._nodes[section] = dict(names)
-        self._sections.add(section)
+        self._shared[section] = dict(names)
 
     def unused(self) -> list[str]:
         """Return the places of the sections that no resolved value comes from."""
-        used = {row.origin.partition("[")[0] for row in self.rows}
-        every = {place for name in self._laboratory for place in _places(self._nodes.get(name))}
-        return sorted(every - used)
+        return sorted(self._places - {row.origin.partition("[")[0] for row in self.rows})
 
     def _parsed(self, node: Any, base: Any, key: str, *, beside: bool = False) -> Any:
         """Return a node with its values as `Declared` and its references as `_Reference`.
 
-        Parameters
-        ----------
-        base
-            The same node as shipped.
-        key
-            Dotted key of both.
-        beside
-            Whether the node stands beside a reference.
+        Its dotted `key`, and the same node as shipped, tell where a value comes from; what stands
+        `beside` a reference may give words alone.
         """
-        before = base if isinstance(base, Mapping) else {}
+        before = entries(base)
         if is_reference(node):
             places = node[FROM] if isinstance(node[FROM], list) else [node[FROM]]
-            override, shipped = (
-                {name: child for name, child in each.items() if name != FROM}
-                for each in (node, before if is_reference(base) else {})
-            )
+            override = {name: child for name, child in node.items() if name != FROM}
+            shipped = {n: c for n, c in before.items() if n != FROM} if FROM in before else {}
             parsed = self._parsed(override, shipped, key, beside=True) if override else None
             return _Reference(tuple(map(str, places)), parsed, key)
         if is_declaration(node):
             malformed = [f"{key}{line}" for line in problems(node, beside=beside)]
             self.problems += malformed
-            return _absent(key) if malformed else as_declared(node, base, key)
+            return Declared(None, "user", "", key) if malformed else as_declared(node, base, key)
         if isinstance(node, Mapping):
             return {
                 str(name): self._parsed(child, before.get(name), f"{key}.{name}")
                 for name, child in node.items()
             }
-        if isinstance(node, list) and any(isinstance(item, Mapping) for item in node):
-            items = dict(enumerate(base)) if isinstance(base, list) else {}
-            return [self._parsed(c, items.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
+        if isinstance(node, list) and any(isinstance(each, Mapping) for each in node):
+            shipped = dict(enumerate(base)) if isinstance(base, list) else {}
+            return [self._parsed(c, shipped.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
         return as_declared(node, base, key)
 
-    def _plain(self, kind: Shape, node: Any, key: str) -> Any:
+    def _plain(self, kind: Any, node: Any, key: str) -> Any:
         """Return the plain values of a node, and record the place of each."""
-        if isinstance(node, _Reference):
+        try:
             node = self._wanted(kind, node, key)
+        except _FaultyError as fault:
+            self.problems.append(str(fault))
+            node = Declared(None, "user", "", fault.key)
         if isinstance(node, Declared):
-            if node.value == [] and kind.is_numbers:
+            if node.value == [] and bare(item(kind)) in {int, float}:
                 self.problems.append(f"{node.origin}: [] must hold at least one number")
             self.rows += node.rows(key)
-            if node.origin != key:
-                self.aliases[key] = node.origin
+            self._alias(key, node.origin)
             return node.value
         if isinstance(node, list):
-            return [self._plain(kind.item, item, f"{key}[{i}]") for i, item in enumerate(node)]
+            return [self._plain(item(kind), c, f"{key}[{i}]") for i, c in enumerate(node)]
         if not isinstance(node, dict):
             return None
-        stands = next(_places(node), "").rpartition(".")[0]
         # where one value or a distribution is wanted
-        if (kind == Shape() or kind.kinds) and stands not in {"", key}:
-            self.aliases[key] = stands
-        fields = kind.fields(node.get(KIND))
-        if SEED in fields and SEED not in node:
-            stream = fields[SEED].stream or _FIGURES.sub("", key.partition(".")[0])
-            node = {**node, SEED: self._seed(stream, key)}
+        if kinds(kind) or (item(kind) is object and not classes(kind)):
+            self._alias(key, _stands(node))
+        known = fields(kind, _tag(node))
+        if SEED in known and SEED not in node:
+            node = {**node, SEED: self._seed(known[SEED], key)}
         return {
-            name: self._plain(fields.get(name, kind.item), child, f"{key}.{name}")
+            name: self._plain(known.get(name, item(kind)), child, f"{key}.{name}")
             for name, child in node.items()
         }
 
-    def _seed(self, stream: str, key: str) -> Any:
+    def _alias(self, key: str, place: str) -> None:
+        if place not in {"", key}:
+            self.aliases[key] = place
+
+    def _seed(self, hint: Any, key: str) -> Any:
         """Return the seed of an analysis without its own, from the root seed and a name."""
         root = self._nodes.get(SEED)
         if not isinstance(root, Declared) or not isinstance(root.value, int) or root.value < 0:
-            return root or _absent(f"{key}.{SEED}", 0)
+            return root or Declared(0, "user", "", f"{key}.{SEED}")
+        marks = (mark for mark in getattr(hint, "__metadata__", ()) if isinstance(mark, str))
+        stream = next(marks, _FIGURES.sub("", key.partition(".")[0]))
         words = np.random.SeedSequence(root.value, spawn_key=(crc32(stream.encode()),))
         value = int(words.generate_state(1)[0])
         source = f"from the root seed, {root.value}, and the name {stream!r}"
         return Declared(value, "derived", source, f"{key}.{SEED}")
 
-    def _wanted(self, kind: Shape, node: _Reference, key: str) -> Any:
+    def _wanted(self, kind: Any, node: Any, key: str) -> Any:
         """Return the field of a reference that bears its key, or those that a kind has."""
-        base, field = self._named(node), key.rpartition(".")[2]
-        if isinstance(base, dict) and field in base:
-            base = base[field]
-            if isinstance(base, _Reference):
-                base = self._wanted(kind, base, key)
-        elif isinstance(base, dict):
-            fields = kind.fields(base.get(KIND))
-            chosen = {name: child for name, child in base.items() if name in fields}
+        if not isinstance(node, _Reference):
+            return node
+        found, field = self._named(node), key.rpartition(".")[2]
+        if isinstance(found, dict) and field in found:
+            found = self._wanted(kind, found[field], key)
+        elif isinstance(found, dict):
+            known = fields(kind, _tag(found))
+            chosen = {name: child for name, child in found.items() if name in known}
             if not chosen:
-                line = f"{node.key}.{FROM}: no {field} in {' or '.join(node.places)}"
-                self.problems.append(f"{line}{nearest(field, base)}")
-            base = chosen or _absent(node.key)
-        return self._overlaid(base, node.beside)
+                line = f"no {field} in {' or '.join(node.places)}{nearest(field, found)}"
+                raise _FaultyError(node.key, line)
+            found = chosen
+        return self._overlaid(found, node.beside)
 
     def _named(self, node: _Reference, opened: tuple[str, ...] = ()) -> Any:
         """Return the target of a reference: several mappings merged, the first goes before."""
-        nodes = []
-        for path in node.places:
-            if path in opened:
-                self.problems.append(f"{node.key}.{FROM}: {path!r} refers to itself")
-                return _absent(node.key)
-            nodes.append(self._at(path, node.key, (*opened, path)))
+        if again := [path for path in node.places if path in opened]:
+            raise _FaultyError(node.key, f"{again[0]!r} refers to itself")
+        nodes = [self._at(path, node.key, (*opened, path)) for path in node.places]
         if all(isinstance(each, dict) for each in nodes):
             return {name: child for each in reversed(nodes) for name, child in each.items()}
         return next(each for each in nodes if not isinstance(each, dict))
 
     def _at(self, path: str, key: str, opened: tuple[str, ...]) -> Any:
         """Return the node at a dotted place, references on the way opened; names may hold dots."""
-        node: Any = {name: self._nodes[name] for name in self._sections if name in self._nodes}
-        rest = path
+        node, rest = self._shared, path
         while rest:
-            known = node if isinstance(node, dict) else {}
+            known = entries(node)
             name = max((n for n in known if f"{rest}.".startswith(f"{n}.")), key=len, default=None)
             if name is None:
                 near = nearest(rest.partition(".")[0], known)
-                self.problems.append(f"{key}.{FROM}: {path!r} is not declared{near}")
-                return _absent(key)
+                raise _FaultyError(key, f"{path!r} is not declared{near}")
             node, rest = known[name], rest[len(name) + 1 :]
             if isinstance(node, _Reference):
                 node = self._overlaid(self._named(node, opened), node.beside)
@@ -249,26 +249,32 @@ class Resolver:
             return replace(below, beside=self._overlaid(below.beside, above))
         if isinstance(below, dict):
             return below | {n: self._overlaid(below.get(n), child) for n, child in above.items()}
-        if below.source != NOTHING:
-            self.problems += [f"{place}: unknown key" for place in _places(above)]
+        self.problems += [f"{place}: unknown key" for place in _places(above)]
         return below
 
     def _overriding(self, above: Any, below: Any) -> Any:
         """Record in a value of an analysis the value of the laboratory that it replaces."""
-        if isinstance(above, Declared) and above.is_kept and isinstance(below, Declared):
+        if not isinstance(above, Declared):
+            return above
+        if above.value is KEPT and isinstance(below, Declared):
             return replace(above, value=below.value)
-        if not isinstance(above, Declared) or above.origin.partition(".")[0] in self._laboratory:
+        if above.origin.partition(".")[0] in self._shared:
             return above
         if isinstance(below, Declared):
             return replace(above, overrides=f"{below.origin} = {as_text(below.value)}")
         places = below.places if isinstance(below, _Reference) else ()
-        entry = ", ".join(places) or next(_places(below), "").rpartition(".")[0]
-        return replace(above, overrides=entry)
+        return replace(above, overrides=", ".join(places) or _stands(below))
 
 
-def _absent(key: str, value: object = None) -> Declared:
-    """Return a placeholder for a missing value, which is reported once."""
-    return Declared(value, "user", NOTHING, key)
+def _tag(node: Mapping[str, Any]) -> object:
+    """Return the kind that a mapping says it is of."""
+    tag = node.get(KIND)
+    return tag.value if isinstance(tag, Declared) and isinstance(tag.value, str) else None
+
+
+def _stands(node: Any) -> str:
+    """Return the place of a mapping: where its first value stands."""
+    return next(_places(node), "").rpartition(".")[0]
 
 
 def _places(node: Any) -> Iterator[str]:

@@ -29,6 +29,8 @@ Row = dict[str, str]
 
 # The impact that a printed value is of; empty where it is general.
 IMPACT = ("particle", "surface", "diameter_um", "speed_m_per_s", "angle_deg")
+# The values of the configuration, as a table.
+DECLARED = "declared"
 # What a table is called in a study, where that is not the name of its file.
 IN_STUDIES = {"printed_values": "printed"}
 
@@ -232,7 +234,13 @@ class DeclaredTables:
             numbers: dict[str, Any] = {n: _exact(row[n]) for n in ("value", "low", "high")}
             numbers["range"] = [numbers["low"], numbers["high"]]
             parts = {
-                name: Declared(value, "printed", row["where"], f"printed.{row['key']}")
+                name: Declared(
+                    value,
+                    "printed",
+                    row["where"],
+                    f"printed.{row['key']}",
+                    given_unit=row["unit"],
+                )
                 for name, value in numbers.items()
             }
             printed[row["key"]] = parts["value"] if row["value"] else parts
@@ -244,16 +252,9 @@ class DeclaredTables:
         for row in self.contacts.rows:
             pair, name = f"{row['particle']} on {row['surface']}", row["property"]
             words = row["evidence"], row["source"], f"contacts.{pair}.{name}"
-            pairs.setdefault(pair, {})[name] = Declared(_exact(row["value"]), *words)
+            value = Declared(_exact(row["value"]), *words, given_unit=row["unit"])
+            pairs.setdefault(pair, {})[name] = value
         return pairs
-
-    def units(self) -> dict[str, str]:
-        """Return the units of printed values and contacts, by dotted key."""
-        printed = {f"printed.{row['key']}": row["unit"] for row in self.printed_values.rows}
-        return printed | {
-            f"contacts.{row['particle']} on {row['surface']}.{row['property']}": row["unit"]
-            for row in self.contacts.rows
-        }
 
     def names(self) -> dict[str, tuple[str, set[str]]]:
         """Return the names that can be referred to, by sort: their file, and the names."""
@@ -289,19 +290,15 @@ class DeclaredTables:
         named = ("materials", particle), ("materials", surface)
         return self.named([*named, ("contacts", f"{particle} on {surface}")], {})
 
-    def contact_rows(self) -> dict[str, str]:
-        """Return all materials and all contacts as CSV."""
-        return {"materials": self.materials.text(), "contacts": self.contacts.text()}
-
-    def everything(self, declared: Iterable[Declared]) -> dict[str, str]:
-        """Return all rows of all tables, and those declared in the configuration, as CSV."""
+    def whole(self, names: Collection[str], declared: Iterable[Declared] = ()) -> dict[str, str]:
+        """Return all rows of some tables as CSV; of ``declared``, those of the configuration."""
         columns = ("key", "value", "unit", "evidence", "source", "origin", "overrides")
-        rows = tuple({name: as_text(getattr(row, name)) for name in columns} for row in declared)
+        rows = ({name: as_text(getattr(row, name)) for name in columns} for row in declared)
         return {
-            "declared": DeclaredTable("", columns, rows).text(),
-            **self.contact_rows(),
-            "printed_values": self.printed_values.text(),
-            "external": self.external.text(),
+            name: (
+                DeclaredTable("", columns, tuple(rows)) if name == DECLARED else getattr(self, name)
+            ).text()
+            for name in names
         }
 
 

@@ -26,7 +26,6 @@ from study.report.check.results import ResultsError
 from study.report.site.pages import render
 from study.report.site.record import read_record
 from study.run.changed import changed_inputs
-from study.run.config import study_rows
 from study.run.study import Made, settings_as_shipped
 from study.tables import Row, parse_table, read_table
 
@@ -183,7 +182,7 @@ def _shipped(results: Path) -> bool:
 
 def _computed(claim: Claim, params: Common, made: Made) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the numbers of a claim, and those for drawn contacts if it has some."""
-    rows = study_rows(STUDY, made.settings)
+    rows = made.settings.rows[STUDY]
     made.update({key: parse_table(text) for key, text in rows.items()})
     numbers = numbers_of(claim.id, params, made)
     drawn = CLAIMS[claim.id].by_contact

@@ -9,7 +9,7 @@ those of the files that it names after them.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, make_dataclass
 from functools import cache
 from pathlib import Path
@@ -25,8 +25,7 @@ from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
 from microimpact.model.plausibility import doubt_of_input
 from microimpact.statistics.distributions import SampleFile, TruncatedNormal
 from study import analyses
-from study.contacts import ALL_LAWS
-from study.declared.documents import ConfigError, load, located
+from study.declared.documents import ConfigError, entries, load, located
 from study.declared.parameters import Known, Name, Seed, adapter, build, explain
 from study.declared.provenance import Declared, unit_of
 from study.declared.references import Resolver
@@ -76,12 +75,10 @@ class Settings:
         return {case: bodies for case, bodies in self.pairs.items() if case in text}
 
 
-CALIBRATION = "calibration"
 GENERAL = tuple(f.name for f in fields(General))
 # What a cut must leave of a normal distribution; less is a slip.
 SMALLEST_SHARE = 1e-4
 _ENDS = np.array([0.0, 1.0])
-_BODIES = ("particle", "surface")
 SECTIONS = tuple(f.name for f in fields(Laboratory))
 # General keys that name a file or a folder.
 FILES = (*TABLES, "digitised")
@@ -121,81 +118,105 @@ def validate(
     """
     _refuse(_no_mappings(config, SECTIONS))
     names = tuple(only or analyses.homes())
-    resolver = Resolver(config, base, SECTIONS)
-    known_keys = [*GENERAL, *SECTIONS, *analyses.homes()]
-    problems = [
-        *(f"{k}: unknown key{nearest(str(k), known_keys)}" for k in config if k not in known_keys),
-        *_no_mappings(config, names),
-    ]
-    general = _sections(General, config, resolver, problems)
-    shown = list(resolver.rows)
-    tables = _tables(resolver, problems)
-    if tables is None:  # nothing can be named
-        raise ConfigError("\n".join([*resolver.problems, *_others(problems, resolver.problems)]))
-    resolver.declare("printed", tables.printed())
-    resolver.declare("contacts", tables.pairs())
-    known = Known(tables.names() | _inferred(config))
-    known.names["cases"] = "cases", {*config["cases"], *tables.contacts.names}
-    laboratory = _sections(Laboratory, config, resolver, problems, known)
-    stands = {row.key: row.origin or row.key for row in resolver.rows}
-    resolver.rows = shown
+    reader = _Reader(config, base)
+    reader.problems += [*_unknown_keys(config), *_no_mappings(config, names)]
+    general = reader.part(General)
+    rows = list(reader.resolver.rows)
+    tables = reader.tables(names)
+    laboratory = reader.part(Laboratory)
+    reader.resolver.rows = rows  # those of the laboratory count where they are used
     branches = _branches(names)
     params, named = dict[str, Any](), dict[str, list[tuple[str, str]]]()
     for name in names:
-        known.named.clear()
-        branch = {name: config[name]} if isinstance(config.get(name), Mapping) else {}
-        params[name] = getattr(_sections(branches, branch, resolver, problems, known), name, None)
-        problems += _unprinted(name, tables.printed_values)
-        named[name] = known.named + [("printed_values", key) for key in analyses.printed(name)]
-    wanted = {name for each in named.values() for sort, name in each if sort == "cases"}
-    if laboratory and params.get(CALIBRATION):
-        problems += [
-            f"cases.{case}: is named, but {CALIBRATION} does not calibrate it"
-            for case in sorted(wanted & set(laboratory.cases) - params[CALIBRATION].calibrated)
-        ]
-    _refuse([*resolver.problems, *_others(problems, resolver.problems)])
-    _refuse(_out_of_unit(resolver.rows, tables.units()))
-    _refuse(_contradictions(laboratory, params, resolver.rows))
-    bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
-    used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
-    drops = ["impact", *(f"drops.{name}" for name in laboratory.drops)]
-    used |= {stands[f"{drop}.{body}"] for drop in drops for body in _BODIES}
+        params[name], named[name] = reader.branch(branches, name)
+        reader.problems += _unprinted(name, tables.printed_values)
+    cases = {entry for each in named.values() for sort, entry in each if sort == "cases"}
+    reader.problems += _lacking(laboratory, params, cases)
+    _refuse(reader.lines())
+    _refuse(_out_of_unit(rows))
+    _refuse(_contradictions(laboratory, params, rows))
     if not only:
-        unused = [key for key in resolver.unused() if key not in used]
-        used |= {row.origin for row in resolver.rows}
-        _refuse(_idle(unused, used, base, {change.key for change in changes(config, base)}))
+        _refuse(_idle(reader.resolver, laboratory, cases, {c.key for c in changes(config, base)}))
+    bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
+    # Where the results go is no input: the same study has the same table anywhere.
+    declared = tuple(row for row in rows if not row.key.startswith("pathvars."))
     return Settings(
         general=general,
         tables=tables,
         branches=adapter(branches).dump_python(  # type: ignore[arg-type]
             branches(**params), mode="json"
         ),
-        rows={name: tables.named(each, bodies) for name, each in named.items()},
+        rows={
+            name: tables.named(each, bodies) | tables.whole(analyses.whole(name), declared)
+            for name, each in named.items()
+        },
         pairs={tables.contacts.name(row): _bodies(row) for row in tables.contacts.rows} | bodies,
-        # Where the results go is no input: the same study has the same table anywhere.
-        declared=tuple(row for row in resolver.rows if not row.key.startswith("pathvars.")),
+        declared=declared,
     )
+
+
+class _Reader:
+    """The parts of a configuration, built one after another; their problems are kept."""
+
+    def __init__(self, config: Mapping[str, Any], base: Mapping[str, Any]) -> None:
+        self.config = config
+        self.resolver = Resolver(config, base, SECTIONS)
+        self.problems: list[str] = []
+        self.known = Known({})
+
+    def part(self, kind: type[Any], *only: str) -> Any:
+        """Return an instance of a dataclass whose fields are top-level keys, or None."""
+        hints = get_type_hints(kind, include_extras=True)
+        keys = [key for key in only or hints if key in self.config]
+        try:
+            values = {key: self.resolver.resolved(hints[key], key) for key in keys}
+            return build(kind, values, self.known)
+        except ValidationError as error:
+            self.problems += explain(error, kind, "", self.resolver.aliases)
+            return None
+
+    def tables(self, names: Iterable[str]) -> DeclaredTables:
+        """Read the declared tables, whatever is wrong elsewhere, and declare all names."""
+        paths = {name: self.resolver.resolved(str, name) for name in TABLES}
+        texts = {name: path for name, path in paths.items() if isinstance(path, str)}
+        missing = [name for name, path in texts.items() if not Path(path).is_file()]
+        self.problems += [f"{n}: {texts[n]!r} must be a file; there is none" for n in missing]
+        try:
+            tables = read_all(texts) if texts == paths and not missing else None
+        except (ValueError, OSError) as error:
+            self.problems.append(str(error))
+            tables = None
+        if tables is None:  # nothing can be named
+            raise _error(self.lines())
+        self.resolver.declare("printed", tables.printed())
+        self.resolver.declare("contacts", tables.pairs())
+        self.known = Known(tables.names())
+        self.known.names["cases"] = "cases", {*self.config["cases"], *tables.contacts.names}
+        makers = {maker for name in names for maker in analyses.needs(name).values()}
+        for name, declared_names in _hooks({*names, *makers}, "declared_names"):
+            self.known.names |= declared_names(entries(self.config.get(name)))
+        return tables
+
+    def branch(self, branches: type[Any], name: str) -> tuple[Any, list[tuple[str, str]]]:
+        """Return the parameters of an analysis, or None, and sort and name of what it names."""
+        self.known.named.clear()
+        is_there = isinstance(self.config.get(name), Mapping)
+        params = getattr(self.part(branches, name), name, None) if is_there else None
+        return params, self.known.named + [("printed_values", k) for k in analyses.printed(name)]
+
+    def lines(self) -> list[str]:
+        """Return the problems, but for those that follow from a malformed declaration."""
+        malformed = self.resolver.problems
+
+        def follows(line: str) -> bool:
+            key = line.partition(": ")[0]
+            return any(fault.startswith((f"{key}.", f"{key}:")) for fault in malformed)
+
+        return [*malformed, *(line for line in self.problems if not follows(line))]
 
 
 def _bodies(row: Mapping[str, str]) -> tuple[str, str]:
     return row["particle"], row["surface"]
-
-
-def _sections(
-    kind: type[Any],
-    config: Mapping[str, Any],
-    resolver: Resolver,
-    problems: list[str],
-    known: Known | None = None,
-) -> Any:
-    """Return an instance of a dataclass whose fields are top-level keys, or None."""
-    hints = get_type_hints(kind, include_extras=True)
-    values = {key: resolver.resolved(hints[key], key) for key in hints if key in config}
-    try:
-        return build(kind, values, known)
-    except ValidationError as error:
-        problems += explain(error, kind, "", resolver.aliases)
-        return None
 
 
 def _no_mappings(config: Mapping[str, Any], keys: Iterable[str]) -> Iterator[str]:
@@ -205,39 +226,52 @@ def _no_mappings(config: Mapping[str, Any], keys: Iterable[str]) -> Iterator[str
             yield f"{key}: {config[key]!r} must be a mapping" if is_there else f"{key}: missing"
 
 
-def _inferred(config: Mapping[str, Any]) -> dict[str, tuple[str, set[str]]]:
-    """Return the names of pairs, scenarios and laws of the inference, where they are declared."""
-    pairs = _entries(_entries(config.get("inference")).get("pairs"))
-    names = {
-        sort: (
-            f"inference.pairs.{sort}",
-            {n for each in pairs.values() for n in _entries(each).get(sort) or ()} | beyond,
-        )
-        for sort, beyond in (("scenarios", set[str]()), ("laws", {ALL_LAWS}))
-    }
-    return names | {"inference.pairs": ("inference.pairs", set(pairs))}
+def _hooks(names: Iterable[str], hook: str) -> Iterator[tuple[str, Any]]:
+    """Yield the function of a name of each analysis that has one."""
+    for name in names:
+        if function := getattr(analyses.analysis(name), hook, None):
+            yield name, function
+
+
+def _unknown_keys(config: Mapping[str, Any]) -> Iterator[str]:
+    known = [*GENERAL, *SECTIONS, *analyses.homes()]
+    return (f"{k}: unknown key{nearest(str(k), known)}" for k in config if k not in known)
+
+
+def _lacking(
+    laboratory: Laboratory | None, params: Mapping[str, Any], cases: Collection[str]
+) -> Iterator[str]:
+    """Yield a line for each declared case that is named, and not made by the analysis of cases."""
+    for name, lacking in _hooks(params, "lacking"):
+        if laboratory and params[name]:
+            yield from lacking(params[name], sorted({*cases} & {*laboratory.cases}))
 
 
 def _idle(
-    unused: Iterable[str], used: Iterable[str], base: Mapping[str, Any], changed: Collection[str]
+    resolver: Resolver, laboratory: Laboratory, cases: Collection[str], changed: Collection[str]
 ) -> Iterator[str]:
     """Yield a line for each changed key that no analysis names.
 
     A new entry that one does name may say more of itself than is asked for.
     """
-    named = {entry for entry in map(_entry, used) if entry[-1] not in _entries(base.get(entry[0]))}
-    for key in unused:
-        if key in changed and _entry(key) not in named:
+    places = ["impact", *(f"drops.{name}" for name in laboratory.drops)]
+    places += [f"cases.{case}" for case in {*cases} & {*laboratory.cases}]
+    bodies = (f"{place}.{body}" for place in places for body in ("particle", "surface"))
+    used = {resolver.aliases.get(key, key) for key in bodies}
+    used |= {row.origin for row in resolver.rows}
+    named = {
+        entry
+        for entry in map(_entry, used)
+        if entry[-1] not in entries(resolver.base.get(entry[0]))
+    }
+    for key in resolver.unused():
+        if key in changed and key not in used and _entry(key) not in named:
             yield f"{key}: changes nothing: no analysis names it"
 
 
 def _entry(key: str) -> tuple[str, ...]:
     """Return section and name of the entry of the laboratory that a key is of."""
     return tuple(key.split(".")[:2])
-
-
-def _entries(node: object) -> Mapping[str, Any]:
-    return node if isinstance(node, Mapping) else {}
 
 
 def _contradictions(
@@ -248,10 +282,11 @@ def _contradictions(
     origins = {row.key: row.origin or row.key for row in rows}
     for name, settings in params.items():
         yield from _slips(settings, name, origins)
-        disagreements = getattr(analyses.analysis(name), "disagreements", None)
-        if settings and disagreements:
+    for name, disagreements in _hooks(params, "disagreements"):
+        if params[name]:
             others = {maker: params.get(maker) for maker in analyses.needs(name).values()}
-            yield from (f"{name}.{line}" for line in disagreements(settings, others, laboratory))
+            lines = disagreements(params[name], others, laboratory)
+            yield from (f"{name}.{line}" for line in lines)
 
 
 def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:
@@ -286,19 +321,23 @@ def _unprinted(name: str, table: DeclaredTable) -> Iterator[str]:
             yield f"{table.path}: {key}: missing; {name} reads it"
 
 
-def _refuse(lines: Iterable[str]) -> None:
-    """Raise ConfigError if there are lines.
+def _error(lines: Iterable[str]) -> ConfigError:
+    """Return the error of some lines.
 
     What several analyses name is refused by each of them; the first line on a key is enough.
     """
     first = dict[str, str]()
     for line in lines:
         first.setdefault(line.partition(": ")[0], line)
-    if first:
-        raise ConfigError("\n".join(first.values()))
+    return ConfigError("\n".join(first.values()))
 
 
-def _out_of_unit(rows: Iterable[Declared], units: Mapping[str, str]) -> Iterator[str]:
+def _refuse(lines: Iterable[str]) -> None:
+    if found := list(lines):
+        raise _error(found)
+
+
+def _out_of_unit(rows: Iterable[Declared]) -> Iterator[str]:
     """Yield a line for each value doubtful in its unit, or named for another unit."""
     for row in rows:
         is_shared = row.origin.partition(".")[0] in SECTIONS
@@ -308,10 +347,9 @@ def _out_of_unit(rows: Iterable[Declared], units: Mapping[str, str]) -> Iterator
         yield from filter(None, (doubt_of_input(key, value) for value in values))
         # A number of a distribution has the unit of the distribution's key.
         wanted = {row.unit, unit_of(row.key.rpartition(".")[0])} - {"-"}
-        unit = units.get(row.origin.partition("[")[0])
-        if unit and wanted and unit not in wanted:
-            allowed = " or ".join(sorted(wanted))
-            yield f"{row.origin}: the unit {unit} must be {allowed}, as that of {row.key}"
+        if row.given_unit and wanted and row.given_unit not in wanted:
+            allowed = f"{' or '.join(sorted(wanted))}, as that of {row.key}"
+            yield f"{row.origin}: the unit {row.given_unit} must be {allowed}"
 
 
 @cache
@@ -321,39 +359,10 @@ def _branches(names: tuple[str, ...]) -> type[Any]:
     return make_dataclass("Branches", parts, frozen=True)
 
 
-def _tables(resolver: Resolver, problems: list[str]) -> DeclaredTables | None:
-    """Read the declared tables, whatever is wrong with other general keys."""
-    paths = {name: resolver.resolved(str, name) for name in TABLES}
-    missing = [
-        f"{name}: {path!r} must be a file; there is none"
-        for name, path in paths.items()
-        if isinstance(path, str) and not Path(path).is_file()
-    ]
-    problems += missing
-    try:
-        usable = not missing and all(isinstance(path, str) for path in paths.values())
-        return read_all(paths) if usable else None
-    except (ValueError, OSError) as error:
-        problems.append(str(error))
-        return None
-
-
-def _others(lines: Iterable[str], malformed: Sequence[str]) -> list[str]:
-    """Drop the problems that follow from a malformed declaration of the same key."""
-
-    def follows(line: str) -> bool:
-        key = line.partition(": ")[0]
-        return any(fault.startswith((f"{key}.", f"{key}:")) for fault in malformed)
-
-    return [line for line in lines if not follows(line)]
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
     """Inputs of a run besides its configuration."""
 
-    # Rows of the declared tables that each study is given, as CSV by table.
-    rows: Mapping[str, Mapping[str, str]]
     figures: Mapping[str, Figure]  # Words filled in
     digitised: Mapping[str, str]  # Files of the user's own points by figure
 
@@ -395,11 +404,7 @@ def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
         name: each.filled(branches[each.analysis], pairs, changed=each.analysis in changed)
         for name, each in analyses.figures().items()
     }
-    return Inputs(
-        rows={name: study_rows(name, settings) for name in settings.branches},
-        figures=figures,
-        digitised=files_of(general.digitised, figures),
-    )
+    return Inputs(figures=figures, digitised=files_of(general.digitised, figures))
 
 
 def _materials(table: DeclaredTable) -> dict[str, Material]:
@@ -410,18 +415,6 @@ def _materials(table: DeclaredTable) -> dict[str, Material]:
         return materials_from_rows(table.rows)
     except ValueError as error:
         raise ValueError(f"{table.path}: {error}") from None
-
-
-def study_rows(name: str, settings: Settings) -> Mapping[str, str]:
-    """Return the declared rows that a study is given, as CSV by table.
-
-    Rows named by its branch; for `contact_properties` all contacts, for `declared_inputs` all.
-    """
-    if name == "declared_inputs":
-        return settings.tables.everything(settings.declared)
-    if name == "contact_properties":
-        return settings.tables.contact_rows()
-    return settings.rows[name]
 
 
 def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:

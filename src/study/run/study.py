@@ -17,7 +17,7 @@ from study import analyses
 from study.declared.parameters import build
 from study.declared.references import merged
 from study.declared.selection import TABLES, NamedTables
-from study.run.config import SECTIONS, Settings, read_configuration, study_rows, validate
+from study.run.config import SECTIONS, Settings, read_configuration, validate
 from study.tables import parse_table, read_table
 
 if TYPE_CHECKING:
@@ -68,14 +68,9 @@ def run_study(
     for key in changes:
         if key in SECTIONS and key not in parameters:
             raise ValueError(f"{key}: is shared by all studies: an overlay changes it, not {name}")
-    text = json.dumps(changes, default=_plain)
-    settings = _settings(name, text) if changes else settings_as_shipped()
-    rows = study_rows(name, settings)
-    inputs = dict(tables or {})
-    for table, maker in analyses.needs(name).items():
-        if table not in inputs:
-            inputs[table] = _made(maker)[table].copy()
-    return run_with(name, settings.branches[name], rows, inputs)
+    made = Made(name, {name: changes} if changes else {}, only=(name,))
+    made.update(frames)
+    return made.run(name)
 
 
 def _plain(value: object) -> object:
@@ -119,7 +114,9 @@ class Made(dict[str, "pd.DataFrame"]):
         whose parameters or needs they change is computed anew.
     results
         Folder of a run of the shipped configuration, from which the other tables are read; without
-        one, they are computed.
+        one, they are computed, and kept for the next call.
+    only
+        The studies whose branches are changed, if they are known; the others are not looked at.
 
     Raises
     ------
@@ -127,11 +124,16 @@ class Made(dict[str, "pd.DataFrame"]):
         If a key is unknown or a value not allowed: one line per problem.
     """
 
-    def __init__(self, name: str, changes: Mapping[str, Any], results: Path | None = None) -> None:
+    def __init__(
+        self,
+        name: str,
+        changes: Mapping[str, Any],
+        results: Path | None = None,
+        only: tuple[str, ...] = (),
+    ) -> None:
         super().__init__()
-        self.settings = (
-            validate(merged(_shipped(), changes), _shipped()) if changes else settings_as_shipped()
-        )
+        text = json.dumps(changes, default=_plain)
+        self.settings = _settings(text, only) if changes else settings_as_shipped()
         self.results = results
         self.makers = dict(analyses.needs(name))
 
@@ -139,20 +141,24 @@ class Made(dict[str, "pd.DataFrame"]):
         """Return a table, and keep it with all others of its study."""
         maker = self.makers[table]
         if self.moved(maker):
-            self.makers |= analyses.needs(maker)
-            needed = {name: self[name] for name in analyses.needs(maker)}
-            rows = study_rows(maker, self.settings)
-            self.update(run_with(maker, self.settings.branches[maker], rows, needed))
+            self.update(self.run(maker))
         elif self.results:
             self[table] = read_table(self.results / f"tables/{table}.csv")
         else:
-            self.update(_made(maker))
+            self.update({name: made.copy() for name, made in _made(maker).items()})
         return self[table]
 
     def moved(self, name: str) -> bool:
         """Return whether a study, or one that it needs, has changed parameters."""
-        changed = self.settings.branches[name] != settings_as_shipped().branches[name]
+        branch = self.settings.branches.get(name)
+        changed = branch is not None and branch != settings_as_shipped().branches[name]
         return changed or any(self.moved(maker) for maker in set(analyses.needs(name).values()))
+
+    def run(self, name: str) -> dict[str, pd.DataFrame]:
+        """Run a study with the tables that it needs."""
+        self.makers |= analyses.needs(name)
+        needed = {table: self[table] for table in analyses.needs(name)}
+        return run_with(name, self.settings.branches[name], self.settings.rows[name], needed)
 
 
 @cache
@@ -168,9 +174,9 @@ def settings_as_shipped() -> Settings:
 
 
 @cache
-def _settings(name: str, changes: str) -> Settings:
+def _settings(changes: str, only: tuple[str, ...]) -> Settings:
     base = _shipped()
-    return validate(merged(base, {name: json.loads(changes)}), base, only=(name,))
+    return validate(merged(base, json.loads(changes)), base, only)
 
 
 @cache

@@ -43,7 +43,7 @@ return arguments[0].map((c) => {
 
 @pytest.fixture(scope="module")
 def inputs(settings):
-    declared = settings.tables.contact_rows()
+    declared = settings.tables.whole(("materials", "contacts"))
     calibration = read_table(ROOT / "tests/reference/tables/calibration.csv")
     return {name: parse_table(text) for name, text in declared.items()} | {
         "calibration": calibration

@@ -7,7 +7,7 @@ as an interval; other pairs by their work of adhesion or by their damping alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product
@@ -262,6 +262,13 @@ class Params:
         """Names of all cases whose contact the study finds."""
         members = self.two_stage.members
         return {*CORNERS, *members, *self.by_work_of_adhesion, *self.by_restitution}
+
+
+def lacking(params: Params, cases: Iterable[str]) -> Iterator[str]:
+    """Yield a line for each case that an analysis names and that is not calibrated."""
+    for case in cases:
+        if case not in params.calibrated:
+            yield f"cases.{case}: is named, but calibration does not calibrate it"
 
 
 # The contact of every case so far, or why there is none.

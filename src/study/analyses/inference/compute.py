@@ -42,6 +42,7 @@ from study.analyses.inference.statements import (
     values_of,
 )
 from study.contacts import ALL_LAWS, BAND, DRAWN, of_kind
+from study.declared.documents import entries
 from study.declared.parameters import Count, Name, Points, Seed
 from study.tables import Row, Tables, series_frame
 
@@ -85,6 +86,23 @@ class Params:
     draws: Count
     points: Points  # Of a curve
     pairs: dict[Name, Case]
+
+
+def declared_names(branch: Mapping[str, object]) -> dict[str, tuple[str, set[str]]]:
+    """Return the names of pairs, scenarios and laws, by sort: where it is declared, and the names.
+
+    The branch is as it stands in the files, right or wrong.
+    """
+    pairs = entries(branch.get("pairs"))
+    names = {
+        sort: {
+            *beyond,
+            *(name for each in pairs.values() for name in entries(entries(each).get(sort))),
+        }
+        for sort, beyond in (("scenarios", ()), ("laws", (ALL_LAWS,)))
+    }
+    places = {sort: (f"inference.pairs.{sort}", found) for sort, found in names.items()}
+    return {**places, "inference.pairs": ("inference.pairs", set(pairs))}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
