@@ -22,6 +22,7 @@ import numpy as np
 import scipy
 
 from microimpact.core.arrays import FloatArray, Numbers, Range, checked
+from microimpact.core.computable import NotComputable
 from microimpact.core.readable import Readable, precise, table
 from microimpact.core.solve import roots
 from microimpact.model.choices import NOISE
@@ -497,7 +498,7 @@ def _affordable(
     }
     if not tried:
         fewest = 1 + _spare(known) + more + min(model.free for model in candidates.values())
-        raise ValueError(
+        raise NotComputable(
             f"v must hold at least {fewest} points from the smallest rebounding speed upwards for "
             f"these models, got {count}"
         )
@@ -714,7 +715,7 @@ def _require_a_curve(residuals: _Residuals) -> None:
     e, missed = residuals.e, residuals.missed
     scatter = float(np.sqrt(np.mean(missed**2)))
     if scatter > WILD and np.sum(missed**2) > 0.5 * np.sum((e - e.mean()) ** 2):
-        raise ValueError(
+        raise NotComputable(
             f"e must depend on v as a rebound does: the closest of all models leaves a scatter of "
             f"{scatter:.2g}, and explains less than half of the variance{residuals.largest()}"
         )

@@ -18,6 +18,7 @@ from microimpact.core.arrays import (
     Range,
     checked,
 )
+from microimpact.core.computable import NotComputable
 from microimpact.model.empirical.kernel import LEAST_SCATTER
 
 Places = npt.NDArray[np.intp]
@@ -154,7 +155,7 @@ def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -
         If there are fewer, or no sphere rebounds.
     """
     if not np.any(e > 0.0):
-        raise ValueError("e must be positive somewhere: no sphere rebounds")
+        raise NotComputable("e must be positive somewhere: no sphere rebounds")
     slowest = float(v[e > 0.0].min())
     telling = v[v >= slowest]
     for least, number, what in (
@@ -162,7 +163,7 @@ def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -
         (different, np.unique(telling).size, "different speeds"),
     ):
         if number < least:
-            raise ValueError(
+            raise NotComputable(
                 f"v must hold at least {least} {what} from the smallest rebounding speed "
                 f"{slowest:g} m/s upwards, got {number}"
             )
@@ -252,7 +253,7 @@ def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = N
     telling = np.sum((weights > 0.0) & (sets.v >= 1.0), axis=1)
     if np.any(telling <= sets.free):
         few = int(np.argmin(telling))
-        raise ValueError(
+        raise NotComputable(
             f"e: data set {few} must hold at least {sets.free + 1} points from the smallest "
             f"rebounding speed upwards, one more than free parameters, got {telling[few]}"
         )

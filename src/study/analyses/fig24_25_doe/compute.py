@@ -68,8 +68,8 @@ class FitSampling:
     Speeds lie within `FITTED`, one drawn at random in each of so many equal steps of the logarithm.
     """
 
-    points: Annotated[int, Field(ge=8)]
-    replicates: Annotated[int, Field(ge=2)]
+    points: Annotated[int, Field(ge=8, le=10_000)]
+    replicates: Annotated[int, Field(ge=2, le=10_000)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,6 +15,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.computable import NotComputable
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.distributions import generator
 from study.analyses.fig24_25_doe.factors import LETTERS, NAMES, at_levels
@@ -65,7 +66,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     for number, case in enumerate(params.cases):
         contact = calibrated_contact(inputs, case)
         if (of_case := levels[levels["case"] == case]).empty:
-            raise ValueError(f"cases: {case!r} has no levels in the designed experiments")
+            raise NotComputable(f"cases: {case!r} has no levels in the designed experiments")
         for turn, (name, rows) in enumerate(of_case.groupby("variation", sort=False)):
             variation = str(name)
             draws, bootstrap = (generator(params.seed, ANALYSIS, number, turn, i) for i in (0, 1))
@@ -147,11 +148,11 @@ def _problem() -> dict[str, Any]:
 def kept(response: FloatArray) -> FloatArray:
     """Return the base samples in which all responses are finite, for others have no variance.
 
-    Raises ValueError if fewer than two are left.
+    Raises NotComputable if fewer than two are left.
     """
     finite = response[np.isfinite(response).all(axis=1)]
     if len(finite) < 2:
-        raise ValueError(
+        raise NotComputable(
             f"sensitivity: {len(finite)} of {len(response)} base samples have finite capture"
             " velocities; two are needed"
         )
