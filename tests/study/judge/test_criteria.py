@@ -10,10 +10,10 @@ import pytest
 from tests.shared import settings_as_shipped
 from tests.study.claims.breaks import BREAKS, read_breaks
 
-from study import analyses
 from study.claims.claim import CLAIMS, Claim, Number
 from study.declared.documents import ConfigError
 from study.equations import EQUATIONS
+from study.figures.declaration import all_figures
 from study.judge import amendments
 from study.judge.criteria import declared_claims
 
@@ -45,7 +45,7 @@ def test_a_claim_is_complete(name):
     assert all((claim.statement, claim.where, claim.quote, claim.article, claim.reason))
     assert bool(claim.function) == bool(claim.numbers) == claim.testable
     assert len(claim.cases) != 1, "one case alone is no alternative"
-    assert set(claim.figures.split()) <= set(analyses.figures())
+    assert set(claim.figures.split()) <= set(all_figures())
     assert set(claim.equations.split()) <= set(EQUATIONS)
     assert all(re.fullmatch(r"[a-z]\w*", number) for number in claim.numbers)
 
