@@ -15,6 +15,7 @@ from typing import Annotated, get_args
 
 import numpy as np
 import pandas as pd
+import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
