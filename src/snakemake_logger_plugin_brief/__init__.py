@@ -51,8 +51,9 @@ def _message(error: str) -> str:
         return _PLACE.sub("", error).strip()
     from microimpact.core.nearest import nearest
     from study import analyses
+    from study.figures.declaration import all_figures
 
-    name, known = wrong[1], [*analyses.figures(), *analyses.homes()]
+    name, known = wrong[1], [*all_figures(), *analyses.homes()]
     near = nearest(name, known) if "/" not in name else "; `snakemake --list` has the names"
     return f"{name}: no figure, rule or file of the study{near}"
 

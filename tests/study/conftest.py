@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 import study
-from study import analyses
+from study.figures.declaration import all_figures
 from study.figures.style import Sheet, context
 from study.judge.criteria import declared_claims
 
@@ -60,7 +60,7 @@ def figures(settings):
     """All figures with their words filled in."""
     return {
         name: figure.filled(settings.branches[figure.analysis], settings.pairs)
-        for name, figure in analyses.figures().items()
+        for name, figure in all_figures().items()
     }
 
 

@@ -10,6 +10,8 @@ import pytest
 from tests.shared import ROOT
 from workflow.scripts import digests
 
+from study import analyses
+
 sys.modules["digests"] = digests  # as scripts know it
 from workflow.scripts import job  # noqa: E402
 from workflow.scripts.closure import closure, source_files  # noqa: E402
@@ -23,10 +25,10 @@ def names(files):
 
 def test_a_study_depends_on_what_it_imports_and_on_no_other():
     friction, trends = (
-        closure([f"study.studies.models.{name}"])
-        for name in ("coulomb_friction", "restitution_trends")
+        closure([analyses.homes()[name]])
+        for name in ("fig17_coulomb_friction", "fig14_restitution_trends")
     )
-    assert {"study.tables", "study.studies.models"} <= {*friction} & {*trends}
+    assert {"study.tables", "study.analyses"} <= {*friction} & {*trends}
     assert "microimpact.model.rigid_body.algebra" in set(friction) - set(trends)
     assert "microimpact.model.empirical.equations" in set(trends) - set(friction)
     assert not any(name.startswith("study.figures") for name in friction)
@@ -35,7 +37,7 @@ def test_a_study_depends_on_what_it_imports_and_on_no_other():
 
 def test_data_files_and_scripts_belong_to_a_figure():
     script = SCRIPTS / "draw_figures.py"
-    found = names(source_files("study.figures.models.curves", scripts=[script]))
+    found = names(source_files("study.analyses.fig14_restitution_trends.draw", scripts=[script]))
     assert {"microimpact.mplstyle", "style.py", "draw_figures.py", "tables.py"} <= found
     assert "digitised.py" in found  # the script alone imports it
     assert "py.typed" not in found

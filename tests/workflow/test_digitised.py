@@ -9,7 +9,7 @@ from tests.workflow.conftest import SMALL
 
 OUT = "build/ci"
 TARGETS = ("fig14", "fig15", "fig16", "fig17", *SMALL)
-CONCERNED = {"coulomb_friction_figures"}
+CONCERNED = {"fig17_coulomb_friction_figures"}
 TOP = "# source: made up\n# digitised_by: nobody\nseries,x,y,y_low,y_high\n"
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
@@ -32,7 +32,7 @@ def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
     with dropped(project, "fig17.csv", "friction: 0.15,30,0.12,,\n") as file:
         assert project.done(*TARGETS) == CONCERNED
         assert all(a != b.read_bytes() for a, b in zip(before, outputs, strict=True))
-        log = (project.root / OUT / "logs/coulomb_friction_figures.log").read_text()
+        log = (project.root / OUT / "logs/fig17_coulomb_friction_figures.log").read_text()
         assert log == "fig17: drawn from fig17, points of config/digitised/fig17.csv\n"
         # another date is no other content
         file.touch()

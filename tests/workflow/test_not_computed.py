@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from tests.shared import ROOT, settings_as_shipped
 
-from study.claims.claim import claim_numbers
+from study.analyses import claim_numbers
 from study.contacts import calibrated_contact, solved_contacts
 from study.declared.parameters import build
 from study.declared.selection import NamedTables
@@ -29,19 +29,19 @@ def lacking(tmp_path):
 def job(tmp_path, study, inputs, *names, is_shipped):
     branch = settings_as_shipped().branches[study]
     made = {name: tmp_path / f"{name}.csv" for name in names}
-    params = SimpleNamespace(study=study, rows={}, branch=branch, is_shipped=is_shipped)
+    params = SimpleNamespace(analysis=study, rows={}, branch=branch, is_shipped=is_shipped)
     return SimpleNamespace(rule=study, input=inputs, output=made, wildcards={}, params=params)
 
 
 @pytest.fixture
-def run_study_script(monkeypatch):
+def script(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
-    import run_study
+    import run_analysis
 
-    return run_study
+    return run_analysis
 
 
-def test_a_study_without_its_table_writes_why(lacking, tmp_path, run_study_script):
+def test_a_study_without_its_table_writes_why(lacking, tmp_path, script):
     changed, shipped = (
         job(
             tmp_path,
@@ -55,21 +55,21 @@ def test_a_study_without_its_table_writes_why(lacking, tmp_path, run_study_scrip
     )
     # Inputs as shipped allow all.
     with pytest.raises(NotComputedError, match=f"^with the inputs as shipped, .*: {WHY}$"):
-        run_study_script.main(shipped)
+        script.main(shipped)
     assert not any(path.exists() for path in shipped.output.values())
-    run_study_script.main(changed)
+    script.main(changed)
     for path in changed.output.values():
         with pytest.raises(NotComputedError, match=f"^{WHY}$"):
             read_table(path)
 
 
-def test_an_error_of_the_program_is_no_result(lacking, tmp_path, run_study_script, monkeypatch):
+def test_an_error_of_the_program_is_no_result(lacking, tmp_path, script, monkeypatch):
     def run(params, inputs):
         return np.ones(3) + np.ones(4)
 
     monkeypatch.setattr("study.analyses.fig17_coulomb_friction.compute.run", run)
     with pytest.raises(ValueError, match="could not be broadcast"):
-        run_study_script.main(job(tmp_path, "coulomb_friction", {}, "fig17", is_shipped=False))
+        script.main(job(tmp_path, "fig17_coulomb_friction", {}, "fig17", is_shipped=False))
     assert not (tmp_path / "fig17.csv").exists()
 
 
@@ -90,8 +90,8 @@ def test_a_case_without_solution_costs_those_that_name_it():
 
 
 def test_only_claims_that_rest_on_it_have_no_number(lacking, monkeypatch):
-    few = {name: claim_numbers.CLAIMS[name] for name in ("C01", "C10")}
-    monkeypatch.setattr(claim_numbers.claim, "CLAIMS", few)
+    for name in set(claim_numbers.CLAIMS) - {"C01", "C10"}:
+        monkeypatch.delitem(claim_numbers.CLAIMS, name)
     params = build(claim_numbers.Params, settings_as_shipped().branches["claim_numbers"])
     files = {"calibration": lacking, "posterior_contacts": lacking}
     table = claim_numbers.run(params, NamedTables(files))["claim_numbers"]

@@ -41,7 +41,8 @@ def records(value):
 
 def in_words():
     """Return the names of parameters that figures and claims show."""
-    texts = ((ROOT / f"config/{name}.yaml").read_text() for name in ("figures", "claims"))
+    folders = (ROOT / f"src/study/{name}" for name in ("analyses", "claims"))
+    texts = (path.read_text() for folder in folders for path in folder.rglob("*.py"))
     shown = re.findall(r"\[\[([\w.]+)", "".join(texts))
     return {name.rpartition(".")[2] for name in shown}
 

@@ -13,7 +13,11 @@ import yaml
 from tests.shared import PARTS
 from tests.workflow.conftest import SMALL, Project, swap
 
+from study.figures.declaration import all_figures
+
 OUT = "build/ci"
+TRENDS, COULOMB = "fig14_restitution_trends", "fig17_coulomb_friction"
+MONTE_CARLO = "fig23_monte_carlo"
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
@@ -29,14 +33,14 @@ def extended(text):
 def test_everything_is_built_in_its_own_results_root(built):
     project = Project(built)
     made = project.files(under=OUT)
-    names = yaml.safe_load((project.root / "config/figures.yaml").read_text())
-    wanted = {f"figures/{name}.{end}" for name in names for end in ("svg", "png", "pdf")}
-    wanted |= {"tables/inputs.csv", "data/fig14.csv", "logs/coulomb_friction.log"}
+    figures = all_figures()
+    wanted = {f"figures/{name}.{end}" for name in figures for end in ("svg", "png", "pdf")}
+    wanted |= {"tables/inputs.csv", "data/fig14.csv", f"logs/{COULOMB}.log"}
     assert {f"{OUT}/{file}" for file in wanted} <= made
     assert not (project.root / "results").exists()
     stamp = json.loads((built / OUT / "run.json").read_text())
     assert stamp["config"]["pathvars"] == {"results": OUT}
-    assert stamp["config"]["coulomb_friction"]["points"] == 36
+    assert stamp["config"][COULOMB]["points"] == 36
     assert stamp["seed"] == stamp["config"]["seed"]["value"]
     assert stamp["git"] == {"commit": None, "dirty": None}
     assert stamp["packages"]["numpy"]
@@ -47,12 +51,12 @@ def row_changed(row, value):
     return lambda text: re.sub(rf"^({row},)[^,]*", rf"\g<1>{value}", text, flags=re.MULTILINE)
 
 
-MODELS = "config/analyses/models.yaml"
+TRENDS_FILE, COULOMB_FILE = (f"config/analyses/{name}.yaml" for name in (TRENDS, COULOMB))
 # Parts of the package that decide no number, and words beside code that does.
 IDLE = [(f"src/study/run/{name}.py", extended) for name in ("config", "schema", "summary")]
 IDLE += [(f"src/microimpact/{name}.py", commented) for name in ("core/files", "model/contact")]
 TOLD = {"declared_inputs", "report"}
-RULES_OF = {name: {name, f"{name}_figures"} for name in ("coulomb_friction", "restitution_trends")}
+RULES_OF = {name: {name, f"{name}_figures"} for name in (COULOMB, TRENDS)}
 
 
 @pytest.mark.parametrize(
@@ -62,24 +66,27 @@ RULES_OF = {name: {name, f"{name}_figures"} for name in ("coulomb_friction", "re
         # otherwise, and code that decides no number: nothing.
         (
             [
-                (MODELS, swap("adhesion_exponent: {value: 1.0", "adhesion_exponent: {value: 1.1")),
                 (
-                    MODELS,
+                    TRENDS_FILE,
+                    swap("adhesion_exponent: {value: 1.0", "adhesion_exponent: {value: 1.1"),
+                ),
+                (
+                    TRENDS_FILE,
                     swap("body_speed_m_per_s: {value: 30.0", "body_speed_m_per_s: {value: 30"),
                 ),
                 *IDLE,
             ],
             {},
-            {*RULES_OF["restitution_trends"], *TOLD},
+            {*RULES_OF[TRENDS], *TOLD},
         ),
-        # The registry: figures of one study. A parameter in the words of a figure redraws it.
+        # What draws: figures of one analysis. A parameter in the words of a figure redraws it.
         (
-            [("config/figures.yaml", lambda text: text.replace("Coefficient\n", "Value\n", 1))],
+            [(f"src/study/analyses/{TRENDS}/draw.py", swap('"Coefficient"', '"Value"'))],
             {"fig17_coulomb_friction": {"spin_friction": 0.3}},
-            {*RULES_OF["coulomb_friction"], "restitution_trends_figures", *TOLD},
+            {*RULES_OF[COULOMB], f"{TRENDS}_figures", *TOLD},
         ),
         # Words of provenance: the table of inputs, and the report that shows it.
-        ([(MODELS, swap("schematic: R level at low speed", "schematic"))], {}, TOLD),
+        ([(TRENDS_FILE, swap("schematic: R level at low speed", "schematic"))], {}, TOLD),
     ],
 )
 def test_changes_rerun_their_chains_and_nothing_else(project, tmp_path, edits, overlay, expected):
@@ -97,20 +104,25 @@ def test_changes_rerun_their_chains_and_nothing_else(project, tmp_path, edits, o
         (
             "src/microimpact/model/rigid_body/algebra.py",
             extended,
-            RULES_OF["coulomb_friction"],
-            {"restitution_trends_figures", "declared_inputs"},
+            RULES_OF[COULOMB],
+            {f"{TRENDS}_figures", "declared_inputs"},
         ),
         (
             "config/contacts.csv",
             row_changed("stainless-steel-316,silicon,work_of_adhesion", "0.71"),
-            {"calibration", "contact_properties", "oblique_impact", "oblique_impact_figures"},
-            {*RULES_OF["coulomb_friction"], "roughness_expansions"},
+            {
+                "calibration",
+                "contact_properties",
+                "fig18_21_oblique_impact",
+                "fig18_21_oblique_impact_figures",
+            },
+            {*RULES_OF[COULOMB], "roughness_expansions"},
         ),
         (
             "config/printed_values.csv",
             row_changed("impulse_ratio_normal_incidence_no_spin", "0.01"),
-            RULES_OF["coulomb_friction"],
-            {"oblique_impact", "force_history", "contact_properties"},
+            RULES_OF[COULOMB],
+            {"fig18_21_oblique_impact", "fig20_force_history", "contact_properties"},
         ),
     ],
 )
@@ -119,7 +131,7 @@ def test_an_edit_reruns_what_it_can_affect(project, path, edit, reruns, spares):
         planned = project.planned(*SMALL)
     assert reruns <= planned
     assert ("declared_inputs" in planned) == path.startswith("config")
-    assert not ((spares | {"restitution_trends"}) & planned)
+    assert not ((spares | {TRENDS}) & planned)
 
 
 def test_the_number_of_parts_changes_no_byte(built, tmp_path):
@@ -127,9 +139,9 @@ def test_the_number_of_parts_changes_no_byte(built, tmp_path):
     shutil.copytree(built, project.root)
     names = ("data/fig23.csv", "tables/monte_carlo.csv")
     before = [(project.root / OUT / name).read_bytes() for name in names]
-    parts = ("--set-scatter", "monte_carlo=3", "--forcerun", "monte_carlo")
-    text = project.snakemake("monte_carlo", *SMALL, *parts, "--verbose").text
-    assert re.search(r"^monte_carlo_part +3$", text, flags=re.MULTILINE)
+    parts = ("--set-scatter", f"{MONTE_CARLO}=3", "--forcerun", MONTE_CARLO)
+    text = project.snakemake(MONTE_CARLO, *SMALL, *parts, "--verbose").text
+    assert re.search(rf"^{MONTE_CARLO}_part +3$", text, flags=re.MULTILINE)
     assert [(project.root / OUT / name).read_bytes() for name in names] == before
     assert not list((project.root / OUT / "parts").glob("*"))
 
@@ -139,15 +151,15 @@ def test_bad_input_is_one_line_a_problem_and_writes_nothing(project, tmp_path):
     overlay = {"seed": "x", "coulomb_frction": {}, "fig17_coulomb_friction": {"spin_fricton": 1}}
     path.write_text(yaml.safe_dump({**overlay, "pathvars": {"results": "build/refused"}}))
     # Nested values on the command line always arrive as text.
-    nested = "coulomb_friction={points: x, spin_friction: 0.3}"
+    nested = "fig17_coulomb_friction={points: x, spin_friction: 0.3}"
     done = project.snakemake("--configfile", str(path), "--config", nested, check=False)
     assert done.returncode
     for line in (
         "\nseed: 'x' must be a valid integer\n",
-        "\ncoulomb_frction: unknown key (did you mean 'coulomb_friction'?)\n",
-        "\ncoulomb_friction.spin_fricton: unknown key (did you mean 'spin_friction'?)\n",
-        "\ncoulomb_friction.points: 'x' must be a valid integer\n",
-        "\ncoulomb_friction.spin_friction: '0.3' must be a valid number (it is text: ",
+        "\ncoulomb_frction: unknown key (did you mean 'fig17_coulomb_friction'?)\n",
+        "\nfig17_coulomb_friction.spin_fricton: unknown key (did you mean 'spin_friction'?)\n",
+        "\nfig17_coulomb_friction.points: 'x' must be a valid integer\n",
+        "\nfig17_coulomb_friction.spin_friction: '0.3' must be a valid number (it is text: ",
     ):
         assert line in done.text
     assert "--configfile" in done.text
@@ -156,11 +168,11 @@ def test_bad_input_is_one_line_a_problem_and_writes_nothing(project, tmp_path):
 
 
 def test_an_unknown_target_is_told_with_the_nearest_name(project):
-    done = project.snakemake("rigde", check=False)
+    done = project.snakemake("sobl", check=False)
     assert done.returncode
     told = done.text.strip().splitlines()[-1]
-    assert told.startswith("rigde: no figure, rule or file of the study")
-    assert "did you mean 'ridge'?" in told
+    assert told.startswith("sobl: no figure, rule or file of the study")
+    assert "did you mean 'sobol'?" in told
 
 
 def test_an_analysis_that_cannot_be_imported_is_named(project):
@@ -177,18 +189,16 @@ def test_a_failing_study_of_the_copy_is_named_and_leaves_no_table(project):
     """The copy runs its own code, not that of the checkout the package is installed from."""
     path = "src/study/analyses/fig14_restitution_trends/compute.py"
     broken = "\n\ndef run(params, inputs):\n    raise TypeError('speed out of reach')\n"
-    path = "src/study/studies/models/restitution_trends.py"
-    broken = "\n\ndef run(params, inputs):\n    raise ValueError('speed out of reach')\n"
     root = ("--config", "pathvars={results: build/broken}")
     with project.edited(path, lambda text: text + broken):
         done = project.snakemake("fig14", *root, check=False)
     assert done.returncode
-    assert "restitution_trends: speed out of reach" in done.text
+    assert f"{TRENDS}: speed out of reach" in done.text
     assert not (project.root / "build/broken/data").is_dir() or not project.files(
         under="build/broken/data"
     )
     assert json.loads((project.root / "build/broken/run.json").read_text())["ended"] is None
-    log = project.root / "build/broken/logs/restitution_trends.log"
+    log = project.root / "build/broken/logs" / f"{TRENDS}.log"
     # No error of the program passes for a result that cannot be computed.
     assert log.read_text().startswith("Traceback")
     assert "speed out of reach" in log.read_text()
@@ -199,14 +209,14 @@ def test_the_account_on_the_terminal_is_brief_and_the_full_one_stands_in_a_file(
     said = project.snakemake("fig14", "declared_inputs", *root).text.splitlines()
     assert {line.split("  ")[0] for line in said if "  " in line} == {
         "declared_inputs",
-        "restitution_trends",
+        TRENDS,
         "figures",
     }
     assert "  3 of 3" in said[-2]
     assert said[-1] == ("In build/brief: data/fig14.csv, tables/inputs.csv, figures/fig14.svg.")
     assert len(said) <= 6
     logs = sorted((project.root / ".snakemake/log").glob("*.log"))
-    assert "rule restitution_trends:" in logs[-1].read_text()
+    assert f"rule {TRENDS}:" in logs[-1].read_text()
     stamp = json.loads((project.root / "build/brief/run.json").read_text())
     assert stamp["ended"] is not None
     assert (project.root / "build/brief/tables/inputs.csv").is_file()
@@ -218,7 +228,7 @@ def test_versions_decide_results(project, tmp_path):
     path.mkdir()
     (path / "METADATA").write_text("Metadata-Version: 2.1\nName: numpy\nVersion: 9.9.9\n")
     again = project.planned("fig17", *SMALL, PYTHONPATH=str(tmp_path))
-    assert again == {"declared_inputs", "coulomb_friction", "coulomb_friction_figures"}
+    assert again == {"declared_inputs", COULOMB, f"{COULOMB}_figures"}
 
 
 def test_results_deleted_by_hand_are_made_again_by_the_same_command(project):
@@ -234,7 +244,7 @@ def test_what_snakemake_itself_refuses_is_one_line(project):
     for arguments, told in (
         (("--configfile", "config/ci.yaml", "fig20"), "fig20: no such file (targets stand before"),
         (
-            ("fig20", "--config", "force_history.diameter_um=3"),
+            ("fig20", "--config", "fig20_force_history.diameter_um=3"),
             "must start with a valid identifier",
         ),
     ):
@@ -245,37 +255,33 @@ def test_what_snakemake_itself_refuses_is_one_line(project):
 
 def test_an_overlay_that_changes_inputs_does_not_write_among_the_shipped_results(project, tmp_path):
     overlay = tmp_path / "overlay.yaml"
-    overlay.write_text("coulomb_friction: {spin_friction: 0.3}\n")
+    overlay.write_text("fig17_coulomb_friction: {spin_friction: 0.3}\n")
     told = project.snakemake("fig17", "--configfile", str(overlay), check=False).text
     assert "overlay changes fig17_coulomb_friction.spin_friction, so its results need a" in told
     assert not (project.root / "results").exists()
 
 
 def test_one_target_with_other_inputs_leaves_nothing_that_tells_the_old_ones(project):
-    """The study of Fig. 14 has changed, too; it is not made again, and no report shows it."""
+    """The analysis of Fig. 14 has changed, too; it is not made again, and no report shows it."""
     out = project.root / OUT
-
-    def edit(text):
-        changes = {
-            "spin_friction: {from: frictions.steel on silicon}": "spin_friction: 0.3",
-            "body_speed_m_per_s: {value: ": "body_speed_m_per_s: {value: 1",
-        }
-        for old, new in changes.items():
-            assert text.count(old) == 1
-            text = text.replace(old, new)
-        return text
-
-    with project.edited("config/analyses/models.yaml", edit):
+    friction, speed = (
+        "spin_friction: {from: frictions.steel on silicon}",
+        "body_speed_m_per_s: {value: ",
+    )
+    with (
+        project.edited(COULOMB_FILE, swap(friction, "spin_friction: 0.3")),
+        project.edited(TRENDS_FILE, swap(speed, f"{speed}1")),
+    ):
         project.snakemake("fig17", *SMALL)
         stamp = json.loads((out / "run.json").read_text())
-        assert stamp["config"]["restitution_trends"]["body_speed_m_per_s"]["value"] == 130.0
+        assert stamp["config"][TRENDS]["body_speed_m_per_s"]["value"] == 130.0
         assert (
             "fig14_restitution_trends.body_speed_m_per_s,130,"
             in (out / "tables/inputs.csv").read_text()
         )
         assert not (out / "report/run.html").exists()
         # Made by the run itself; its rule need not run again.
-        assert "coulomb_friction" not in project.planned("fig17", *SMALL)
+        assert COULOMB not in project.planned("fig17", *SMALL)
     project.snakemake(*SMALL)
     assert (out / "report/run.html").exists()
     # A second call does nothing, whatever the dates.

@@ -19,13 +19,9 @@ name and it does not make. ``declared_names(branch)`` are names that others may 
 from __future__ import annotations
 
 import pkgutil
-import re
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
 from types import MappingProxyType, ModuleType
-
-from study.figures.declaration import FIGURES, Figure
 
 
 @cache
@@ -69,14 +65,3 @@ def whole(name: str) -> tuple[str, ...]:
     Raises KeyError if there is no such analysis.
     """
     return tuple(getattr(analysis(name), "WHOLE_TABLES", ()))
-
-
-@cache
-def figures() -> MappingProxyType[str, Figure]:
-    """Return all figures by name, those of the article first."""
-    for home in homes().values():
-        drawing = f"{home.removesuffix('.compute')}.draw"
-        if home.endswith(".compute") and find_spec(drawing):
-            import_module(drawing)
-    ours = sorted(FIGURES, key=lambda name: (not re.fullmatch(r"fig\d\d", name), name))
-    return MappingProxyType({name: FIGURES[name] for name in ours})

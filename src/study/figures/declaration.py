@@ -5,10 +5,16 @@ Nothing here imports Matplotlib: the words are read at every start of the workfl
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
+from study import analyses
 from study.declared import documents
 from study.tables import Curves, Tables
 
@@ -206,3 +212,14 @@ class Figure:
             "equations": list(filter(None, self.equations.split(", "))),
             "drawing": f"{self.draw.__module__}.{self.draw.__name__}",
         }
+
+
+@cache
+def all_figures() -> MappingProxyType[str, Figure]:
+    """Return all figures by name, those of the article first."""
+    for home in analyses.homes().values():
+        drawing = f"{home.removesuffix('.compute')}.draw"
+        if home.endswith(".compute") and find_spec(drawing):
+            import_module(drawing)
+    ours = sorted(FIGURES, key=lambda name: (not re.fullmatch(r"fig\d\d", name), name))
+    return MappingProxyType({name: FIGURES[name] for name in ours})

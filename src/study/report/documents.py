@@ -18,7 +18,7 @@ import yaml
 
 from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
-from study import analyses
+from study.figures.declaration import all_figures
 from study.judge import amendments, counts
 from study.judge.criteria import declared_claims
 from study.judge.words import agreement, drawn_share, quantities, readable, with_unit
@@ -135,11 +135,11 @@ def pages(results: Path, docs: Path) -> tuple[dict[str, str], tuple[str, ...]]:
         "table": table,
         "counts": counts,
         "amendments": amendments(),
-        "figures": analyses.figures(),
+        "figures": all_figures(),
     }
     texts = {
         DEVIATIONS: deviations(results),
-        CODECHECK: codecheck(analyses.figures()),
+        CODECHECK: codecheck(all_figures()),
     }
     for template in sorted(docs.glob(f"*{SUFFIX}")):
         text = template.read_text(encoding="utf-8")

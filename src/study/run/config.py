@@ -30,7 +30,7 @@ from study.declared.parameters import Known, Name, Seed, adapter, build, explain
 from study.declared.provenance import Declared, unit_of
 from study.declared.references import Resolver
 from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
-from study.figures.declaration import Figure
+from study.figures.declaration import Figure, all_figures
 from study.laboratory import Laboratory
 from study.run.digitised import files_of
 from study.run.stamp import changes
@@ -402,7 +402,7 @@ def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
     branches, pairs = settings.branches, settings.pairs
     figures = {
         name: each.filled(branches[each.analysis], pairs, changed=each.analysis in changed)
-        for name, each in analyses.figures().items()
+        for name, each in all_figures().items()
     }
     return Inputs(figures=figures, digitised=files_of(general.digitised, figures))
 

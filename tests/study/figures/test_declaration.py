@@ -11,11 +11,11 @@ from matplotlib.ticker import NullFormatter
 from study import analyses
 from study.declared.documents import ConfigError, filled
 from study.equations import EQUATIONS
-from study.figures.declaration import Figure, Series
+from study.figures.declaration import Figure, Series, all_figures
 from study.figures.style import Sheet, context
 from study.tables import RESULT_EVIDENCE
 
-FIGURES = analyses.figures()
+FIGURES = all_figures()
 WORDS = {"finding": "They meet at [[a]].", "method": "By fits.", "as_shipped": "Twice [[a]]."}
 
 
@@ -51,8 +51,8 @@ def test_what_only_holds_as_shipped_goes_with_the_inputs():
     declared = figure({"p": ""}, contact="By hand.", **WORDS)
     shipped = declared.filled({"a": 1}, {})
     assert (shipped.finding, shipped.method) == ("They meet at 1.", "By fits. Twice 1. By hand.")
-    changed = declared.filled({}, {}, changed=True)
-    assert (changed.finding, changed.method) == ("", "By fits.")
+    changed = declared.filled({"a": 2}, {}, changed=True)
+    assert (changed.finding, changed.method) == ("They meet at 2.", "By fits.")
 
 
 def test_a_name_in_the_words_that_is_no_parameter_is_refused():

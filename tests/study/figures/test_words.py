@@ -9,10 +9,10 @@ import pytest
 from tests.shared import settings_as_shipped
 from tests.study.figures.test_pictures import data_of, drawn, texts
 
-from study import analyses
+from study.figures.declaration import all_figures
 from study.figures.style import context
 
-FIGURES = analyses.figures()
+FIGURES = all_figures()
 SETTINGS = settings_as_shipped()
 MATERIALS = "steel|silicon|mirror|Formica|Lycopodium|spore|fluorescein|molybdenum|mica|latex|silica"
 # Analyses that are of one pair by their nature.

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from statistics import NormalDist
 from typing import Annotated, get_args
 
 import numpy as np
@@ -65,7 +66,7 @@ RING = (
     "friction",
 )
 # Ends of what is likely by the likelihood alone: 95 % of chi square with one degree of freedom.
-LIKELY = 0.5 * scipy.stats.chi2.ppf(0.95, 1)
+LIKELY = 0.5 * NormalDist().inv_cdf(0.975) ** 2
 LIKELY_ENDS = ("likely_low", "likely_high")
 # Classes of the capture velocity per decade, and how far down the likelihood is shown.
 PROFILE, DEPTH = 20, 6.0
