@@ -1,6 +1,10 @@
 from .core.declared import materials as materials
 from .core.materials import Material as Material
+from .lab.records import reduce_heights as reduce_heights
+from .lab.records import reduce_times as reduce_times
+from .lab.records import reduce_tracks as reduce_tracks
 from .measured.rebounds import read_rebounds as read_rebounds
+from .measured.records import read_records as read_records
 from .model import JKR as JKR
 from .model import Contact as Contact
 from .model import Hysteresis as Hysteresis

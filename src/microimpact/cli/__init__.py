@@ -14,7 +14,7 @@ from microimpact.cli.contacts import (
     materials_command,
     simulate_command,
 )
-from microimpact.cli.measured import calibrate_command, fit_command
+from microimpact.cli.measured import calibrate_command, fit_command, reduce_command
 from microimpact.cli.output import echo
 from microimpact.cli.reference import reference_command, verify_command
 from microimpact.core.extras import missing
@@ -96,6 +96,7 @@ def warm_up_command() -> None:
 for _command in (
     simulate_command,
     capture_command,
+    reduce_command,
     fit_command,
     calibrate_command,
     export_command,

@@ -21,7 +21,7 @@ from microimpact.cli.output import (
     print_table,
     warn,
 )
-from microimpact.core.files import require_writable
+from microimpact.core.files import require_writable, write_file
 from microimpact.core.plausible import implausible
 from microimpact.model.choices import CALIBRATED
 from microimpact.model.contact_laws import RING_FORCE
@@ -37,11 +37,22 @@ BY_DATA = DAMPING | {"work_of_adhesion": 0.1, "adhesion_rate_exponent": 0.0}
 
 TABLE = {
     "--unit": "Of speeds, where the table states none; default m/s.",
-    "--size-unit": "Of sizes, where the table states none: um, mm, ...; default m.",
+    "--size-unit": "Of lengths, where the table states none: um, mm, ...; default m, of x, y px.",
     "--columns": "Headers by the names above: 'v=Impact speed [cm/s],V=Rebound'.",
     "--delimiter": "Between cells: comma, semicolon, tab, bar or space.",
     "--decimal": "Of numbers: '.' or ','.",
     "--skip-bad-rows": "Leave out rows with a wrong number, and name them.",
+}
+RECORDS = {
+    "--fps": "Of tracks: frames per second.",
+    "--um-per-px": "Size of a pixel, um.",
+    "--wall": "Its direction: degrees from the horizontal, two points 'x1,y1,x2,y2', or find.",
+    "--tilt": "Standard deviation of this direction, degrees; default 0.",
+    "--gravity": "down (default), or none, as of beams.",
+    "--y": "Direction in which y grows: down (default) or up.",
+    "--drag": "Of heights in air: density of the sphere, kg/m3; default vacuum.",
+    "--sigma-h": "Standard deviation of heights, um.",
+    "--sigma-t": "Standard deviation of the clock, us.",
 }
 SPREADS = {
     "--sigma": "Standard deviation of e, if no column gives it.",
@@ -60,7 +71,8 @@ def table_options(words: Mapping[str, str]) -> Callable[[Callable[..., None]], C
     """
     types: dict[str, dict[str, Any]] = {
         "--skip-bad-rows": {"is_flag": True},
-        "--sigma": {"type": float},
+        **dict.fromkeys(("--sigma", "--fps", "--um-per-px", "--tilt"), {"type": float}),
+        **dict.fromkeys(("--drag", "--sigma-h", "--sigma-t"), {"type": float}),
     }
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
@@ -88,6 +100,48 @@ def _headers(columns: str | None) -> dict[str, str]:
             raise ValueError(f"--columns must be 'v=HEADER,e=HEADER', got {columns!r}")
         headers[name.strip()] = header.strip()
     return headers
+
+
+@click.command("reduce", cls=Command, short_help="Rebounds from tracks, heights or bounce times.")
+@click.argument("data")
+@table_options({name: TABLE[name] for name in TABLE if name != "--unit"} | RECORDS)
+@click.option("-o", "--output", help="CSV of the rebounds, for 'microimpact fit'; else printed.")
+def reduce_command(data: str, reading: Mapping[str, Any], output: str | None) -> None:
+    """Reduce what cameras and clocks record to rebounds, with the errors of e and v.
+
+    DATA is a text file of tracks (columns frame or t, x, y, optionally track and d or radius), of
+    heights (h0 and h1, of drop and rebound, optionally d) or of times (t alone, the bounces of one
+    sphere). Files of TrackMate, Tracker, trackpy, DLTdv, MOSAIC and ImageJ are read as they are.
+    A track that cannot be used has a row with the reason.
+    """
+    import csv
+    import io
+
+    from microimpact.measured.records import read_records
+
+    if output:
+        require_writable(output)
+    records = read_records(data, **reading)
+    warn(records.notes)
+    columns = records.reduced.columns
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(columns)
+    rows.writerows(zip(*([_cell(x) for x in column] for column in columns.values()), strict=True))
+    if output:
+        write_file(output, text.getvalue())
+    echo(text.getvalue() if not output else f"{records.read}\nWritten: {output}", nl=bool(output))
+    if not output:
+        echo(records.read, err=True)
+    if not np.any(records.reduced.used):
+        raise ValueError(f"no impact can be used: {records.read}")
+
+
+def _cell(value: Any) -> str:
+    """Write a number in seven digits, nothing where there is none."""
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.7g}"
+    return str(value)
 
 
 @click.command("fit", cls=Command, short_help="Capture velocity from measured restitutions.")

@@ -19,12 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, Columns, FloatArray, checked
 from microimpact.core.constants import gravity
 from microimpact.lab.events import IntArray, Measured
-from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.ptis.tracks import Leg, fit_path
 
-# Points of a flight. A cut, and the loss of a point at it, must explain more than chance does.
+# Points of a flight. A cut, and the loss of a point at it, must explain more than chance does, and
+# the velocity change by this share of the speed: drag or a distorted picture bend a flight, too.
 LEAST_POINTS = 3
-CUT, BLUR = 1e-4, 1e-3
+CUT, BLUR, KINK = 1e-4, 1e-3, 0.1
 # The scatter of all flights counts as so many deviations beside a flight's own (an empirical prior
 # as of Smyth, 2004); a flight that scatters so many times as much is no single one.
 PRIOR, ROUGH = 10.0, 5.0
@@ -88,6 +88,8 @@ class Reduced(Columns):
         words = np.where(self.used, np.where(self.captured, "yes", "no"), "")
         names = {"v": "v (m/s)", "angle": "angle (deg)", "V": "V (m/s)", "e": "e"}
         names |= {"sigma": "sigma", "sigma_v": "sigma_v (m/s)", "impulse_ratio": "impulse_ratio"}
+        if not np.any(self.sigma > 0.0):  # no error is known
+            del names["sigma"], names["sigma_v"]
         columns = {"track": self.track} | {head: getattr(self, k) for k, head in names.items()}
         if np.any(np.isfinite(self.d)):
             columns["d (um)"] = 1e6 * self.d
@@ -117,7 +119,7 @@ def _reduced(
             "angle": np.degrees(np.arctan2(-before, np.abs(measured.tangential[0]))),
             "V": after,
             "e": e,
-            "impulse_ratio": np.where(captured, np.nan, ratio),
+            "impulse_ratio": np.where(captured, np.nan, ratio + 0.0),
             "sigma": np.where(captured, np.nan, sigma),
             "sigma_v": sigma_v * measured.speed / -before,
             "d": np.broadcast_to(np.asarray(d, dtype=float), n),
@@ -159,7 +161,8 @@ def reduce_tracks(
     diameter
         m, one or (n,).
     tilt
-        Standard deviation of the direction of the wall, degrees; all impacts share it.
+        Standard deviation of the angle of the camera to wall and plumb line, degrees; all impacts
+        share it.
     with_gravity
         Whether flights are paths under gravity, or straight lines.
 
@@ -250,6 +253,13 @@ def _flights(time: FloatArray, points: FloatArray, pull: float, begin: int) -> l
             at, gap = out, 1
     k = int(place[at])
     after = k + gap
+    start, end = time[k - 1], time[after]
+    legs = [fit_path(points[of], time[of] - zero, pull).velocity
+            for of, zero in ((slice(k), start), (slice(after, n), end))]  # fmt: skip
+    change = legs[1] - legs[0] + [0.0, pull * (end - start)]
+    steps = np.diff(points, axis=0) / np.diff(time)[:, None]
+    if np.sum(change**2) < KINK**2 * np.mean(np.sum(steps**2, axis=1)):
+        return [slice(begin, begin + n)]
     return _flights(time[:k], points[:k], pull, begin) + _flights(
         time[after:], points[after:], pull, begin + after
     )
@@ -303,6 +313,13 @@ class _Legs:
         off = level - self.path.origin[:, None] - self.path.velocity[:, None] * t
         return np.where(self.used[..., None], off, 0.0)
 
+    def bend(self) -> FloatArray:
+        """How far unit acceleration bends the path off the fitted line, s2, (k, m)."""
+        share, square = self.used / self.used.sum(axis=1, keepdims=True), 0.5 * self.time**2
+        middle, mean = (np.sum(share * of, axis=1, keepdims=True) for of in (self.time, square))
+        slope = np.sum(self.path.weights * square, axis=1, keepdims=True)
+        return np.asarray(self.used * (square - mean - slope * (self.time - middle)))
+
     def spread(self) -> FloatArray:
         """Covariance of place and velocity of each component for unit noise, (k, 2, 2)."""
         share = self.used / self.used.sum(axis=1, keepdims=True)
@@ -344,33 +361,44 @@ def _impacts(
         _wall(incident, rebound) if wall == "find" else (float(checked("wall", wall)), 0.0)
     )
     frame = _frames(incident, direction)
-    straight = replace(rebound, path=fit_path(rebound.path.points, rebound.time, 0.0, rebound.used))
     legs = [incident, rebound]
-    noise, rough = _noise([incident, rebound, straight], frame)
-    # At rest, or on its way along the wall: no path under gravity.
-    still = np.abs(_turn(frame, straight.path.velocity)[:, 1])
-    blur = np.sqrt(noise[2][:, 1] * straight.spread()[:, 1, 1])
+    straight = [
+        replace(leg, path=fit_path(leg.path.points, leg.time, 0.0, leg.used)) for leg in legs
+    ]
+    turn = float(np.hypot(tilt, found))
+    noise, rough = _noise([*legs, straight[1]], frame, pull * np.radians(turn))
+    # At rest, or on its way along the wall: no path under gravity is much closer.
+    still = np.abs(_turn(frame, straight[1].path.velocity)[:, 1])
+    blur = np.sqrt(noise[2][:, 1] * straight[1].spread()[:, 1, 1])
     speed = np.abs(_turn(frame, incident.path.velocity)[:, 1])
-    resting = still < np.maximum(RESTING * blur, STILL * speed)
-    which = resting[:, None]
-    place = np.stack([_turn(frame, leg.path.origin) for leg in legs], axis=1)
-    slope = np.stack([_turn(frame, leg.path.velocity) for leg in legs], axis=1)
-    place[:, 1] = np.where(which, _turn(frame, straight.path.origin), place[:, 1])
-    slope[:, 1] = np.where(which, _turn(frame, straight.path.velocity), slope[:, 1])
-    noise[1] = np.where(which, noise[2], noise[1])
+    level, curved = (np.sum(of.residuals() ** 2, axis=(1, 2)) for of in (straight[1], rebound))
+    resting = (still < np.maximum(RESTING * blur, STILL * speed)) & (level <= 2.0 * curved)
+    noise[1] = np.where(resting[:, None], noise[2], noise[1])
     rough[1] = np.where(resting, rough[2], rough[1])
-    fall = _turn(frame, np.broadcast_to([0.0, -pull], (len(pairs), 2)))
     variance = np.stack([n[:, :, None, None] for n in noise[:2]], axis=1) * np.stack(
         [leg.spread()[:, None] for leg in legs], axis=1
     )
-    contact, velocities, covariance, missed = _meet(place, slope, fall, variance)
-    errors = _errors(velocities, covariance, float(np.hypot(tilt, found)))
-    reason = _reasons(velocities, errors, resting, blur / speed)
-    between = (contact >= gap[:, 0] - zero) & (contact <= gap[:, 1] - zero)
-    step = np.median(np.diff(time[np.concatenate(before)])) if len(time) > 1 else 0.0
-    close = np.abs(contact) <= 0.5 * (gap[:, 1] - gap[:, 0]) + abs(step)
+    # A picture that is turned turns the points, but not their fall.
+    flat = np.stack([_flight(leg) for leg in straight], axis=1)
+    bent = np.stack([_flight(leg) for leg in legs], axis=1) - flat
+    bent[resting, 1] = 0.0
+    fall = _turn(frame, np.broadcast_to([0.0, -pull], (len(pairs), 2)))
+
+    def met(angle: float) -> _Meeting:
+        """How the flights meet if the picture is turned by an angle, degrees."""
+        sine, cosine = np.sin(np.radians(angle)), np.cos(np.radians(angle))
+        place, slope = np.moveaxis(flat @ [[cosine, sine], [-sine, cosine]] + bent, 2, 0)
+        of_legs = [np.stack([_turn(frame, of[:, leg]) for leg in (0, 1)], axis=1)
+                   for of in (place, slope)]  # fmt: skip
+        return _meet(*of_legs, fall, variance)
+
+    meeting = met(0.0)
+    errors, missed = _errors(meeting, met(turn), met(-turn))
+    reason = _reasons(meeting.velocities, errors, resting, blur / speed)
+    step = np.array([np.ptp(time[of]) / (len(of) - 1) for of in before])
+    early = np.abs(meeting.contact) > 0.5 * (gap[:, 1] - gap[:, 0]) + step
     for bad, words in (
-        (~(between | close), "its flights meet elsewhere in time"),
+        (early, "its flights meet elsewhere in time"),
         (missed > MEETING, "its flights do not meet"),
         (np.any(rough[:2], axis=0), "its points lie off a flight, more than those of others"),
     ):
@@ -378,7 +406,7 @@ def _impacts(
     d = np.array([np.nanmean(sizes[of]) if np.any(np.isfinite(sizes[of])) else np.nan
                   for of in before])  # fmt: skip
     return _reduced(
-        np.array([*names, None], dtype=object)[:-1], velocities, errors[0], errors[1], d,
+        np.array([*names, None], dtype=object)[:-1], meeting.velocities, *errors, d,
         captured=resting, reason=reason, fall=_fall(legs, noise, resting),
     )  # fmt: skip
 
@@ -389,16 +417,17 @@ def _fall(
     """Downward acceleration that the points of both flights have, and its error, m/s2, (k,)."""
     total = information = np.zeros(len(resting))
     for leg, variance, flies in zip(legs, noise, (True, ~resting), strict=False):
-        share = leg.used / leg.used.sum(axis=1, keepdims=True)
-        square = 0.5 * leg.time**2
-        middle, mean = (np.sum(share * of, axis=1, keepdims=True) for of in (leg.time, square))
-        slope = np.sum(leg.path.weights * square, axis=1, keepdims=True)
-        bend = leg.used * (square - mean - slope * (leg.time - middle)) * np.reshape(flies, (-1, 1))
+        bend = leg.bend() * np.reshape(flies, (-1, 1))
         each = np.maximum(variance.mean(axis=1), 1e-30)
         total = total - np.sum(bend * leg.path.points[..., 1], axis=1) / each
         information = information + np.sum(bend**2, axis=1) / each
     with np.errstate(divide="ignore", invalid="ignore"):
         return total / information, 1.0 / np.sqrt(information)
+
+
+def _flight(leg: _Legs) -> FloatArray:
+    """Place and velocity at the time 0, (k, 2, 2)."""
+    return np.stack([leg.path.origin, leg.path.velocity], axis=1)
 
 
 def _turn(frame: FloatArray, vectors: FloatArray) -> FloatArray:
@@ -444,11 +473,12 @@ def _wall(incident: _Legs, rebound: _Legs) -> tuple[float, float]:
 
 
 def _noise(
-    legs: Sequence[_Legs], frame: FloatArray
+    legs: Sequence[_Legs], frame: FloatArray, swing: float
 ) -> tuple[list[FloatArray], list[BoolArray]]:
     """Variance of tangential and normal places of each leg, m2, (k, 2), and which is rough (k,).
 
-    Each leg's own scatter with that of all, of which the median is taken.
+    Each leg's own scatter with that of all, of which the median is taken; it may lie off its flight
+    as an acceleration, ``swing`` (m/s2), bends that.
     """
     squares = [np.sum(_turn(frame, leg.residuals()) ** 2, axis=1) for leg in legs]
     free = [(leg.used.sum(axis=1) - 2.0)[:, None] for leg in legs]
@@ -459,15 +489,39 @@ def _noise(
     number[len(free[0]) :] = free[1]
     common = np.median(flown / scipy.special.chdtri(number, 0.5), axis=0)
     variance = [(s + PRIOR * common) / (n + PRIOR) for s, n in zip(squares, free, strict=True)]
-    rough = [np.any(s > ROUGH**2 * n * np.maximum(common, 1e-18), axis=1)
-             for s, n in zip(squares, free, strict=True)]  # fmt: skip
+    bends = [swing**2 * np.sum(leg.bend() ** 2, axis=1, keepdims=True) for leg in legs]
+    rough = [np.any(s > ROUGH**2 * (n * np.maximum(common, 1e-18) + b), axis=1)
+             for s, n, b in zip(squares, free, bends, strict=True)]  # fmt: skip
     return variance, rough
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Meeting:
+    """How the two flights of each of k impacts meet.
+
+    Attributes
+    ----------
+    contact
+        Time at which they are closest, s, (k,).
+    velocities
+        Then, by leg and component, m/s, (k, 2, 2).
+    covariance
+        Of these four, (k, 4, 4).
+    missed, error
+        Distance then and its standard deviation, m, (k,).
+    """
+
+    contact: FloatArray
+    velocities: FloatArray
+    covariance: FloatArray
+    missed: FloatArray
+    error: FloatArray
 
 
 def _meet(
     place: FloatArray, slope: FloatArray, fall: FloatArray, variance: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Let two flights of each of k impacts meet.
+) -> _Meeting:
+    """Let the flights meet.
 
     Parameters
     ----------
@@ -477,54 +531,53 @@ def _meet(
         Acceleration of both, (k, 2).
     variance
         Covariance of place and slope by leg and component, (k, 2, 2, 2, 2).
-
-    Returns
-    -------
-    contact
-        Time at which they are closest, s, (k,).
-    velocities
-        Then, by leg and component, (k, 2, 2).
-    covariance
-        Of these four, (k, 4, 4).
-    missed
-        Distance then, in standard deviations, (k,).
     """
     apart, change = place[:, 1] - place[:, 0], slope[:, 1] - slope[:, 0]
     square = np.maximum(np.sum(change**2, axis=1), np.finfo(float).tiny)
     contact = -np.sum(apart * change, axis=1) / square
-    velocities = slope + contact[:, None, None] * fall[:, None]
-    # Derivatives of the contact's time by places and slopes, of which the second leg's are against.
+    # Derivatives of the contact's time by places and slopes of the rebound; the others' are less.
     by_place = -change / square[:, None]
     by_slope = -(apart + 2.0 * contact[:, None] * change) / square[:, None]
     sign = np.array([-1.0, 1.0])[None, :, None, None]
     time = sign * np.stack([by_place, by_slope], axis=-1)[:, None]
     k = len(contact)
-    jacobian = np.einsum("kc,klap->kclap", fall, time)[:, None].repeat(2, axis=1)
+    by_leg = np.einsum("kc,klap->kclap", fall, time)[:, None].repeat(2, axis=1)
     for leg, part in np.ndindex(2, 2):
-        jacobian[:, leg, part, leg, part, 1] += 1.0
-    covariance = np.einsum("kxlap,klapq,kylaq->kxy", *[
-        of if of is variance else of.reshape(k, 4, 2, 2, 2) for of in (jacobian, variance, jacobian)
-    ])  # fmt: skip
+        by_leg[:, leg, part, leg, part, 1] += 1.0
+    jacobian = by_leg.reshape(k, 4, 2, 2, 2)
     aside = np.stack([-change[:, 1], change[:, 0]], axis=-1) / np.sqrt(square)[:, None]
     t = np.stack([np.ones(k), contact], axis=-1)
-    error = np.einsum("kc,klcpq,kp,kq->k", aside**2, variance, t, t)
-    missed = np.abs(np.sum(aside * apart, axis=1)) / np.sqrt(np.maximum(error, 1e-30))
-    return contact, velocities, covariance, missed
+    return _Meeting(
+        contact=contact,
+        velocities=slope + contact[:, None, None] * fall[:, None],
+        covariance=np.einsum("kxlap,klapq,kylaq->kxy", jacobian, variance, jacobian),
+        missed=np.sum(aside * apart, axis=1),
+        error=np.sqrt(np.einsum("kc,klcpq,kp,kq->k", aside**2, variance, t, t)),
+    )
 
 
 def _errors(
-    velocities: FloatArray, covariance: FloatArray, tilt: float
-) -> tuple[FloatArray, FloatArray]:
-    """Standard deviations of e and of the normal speed before impact, (k,)."""
-    before, after = velocities[:, 0, 1], velocities[:, 1, 1]
+    meeting: _Meeting, high: _Meeting, low: _Meeting
+) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
+    """Standard deviations of e and of the normal speed, and how far flights miss, in theirs, (k,).
+
+    Parameters
+    ----------
+    meeting
+        As the wall is.
+    high, low
+        Turned by a standard deviation.
+    """
+    (before, after), (steep, flat) = meeting.velocities[..., 1].T, (
+        of.velocities[..., 1].T for of in (high, low)
+    )  # fmt: skip
     with np.errstate(divide="ignore", invalid="ignore"):
         gradient = np.stack([after / before**2, -1.0 / before], axis=-1)
-        e = np.einsum("ki,kij,kj->k", gradient, covariance[:, 1::2, 1::2], gradient)
-        events = Measured(event=np.arange(len(before)), velocities=velocities)
-        high, low = (turned(events, np.full(len(before), sign * tilt)) for sign in (1.0, -1.0))
-        tilted = 0.5 * (high.coefficient_of_restitution - low.coefficient_of_restitution)
-    turn = 0.5 * (high.normal[0] - low.normal[0])
-    return np.sqrt(e + tilted**2), np.sqrt(covariance[:, 1, 1] + turn**2)
+        e = np.einsum("ki,kij,kj->k", gradient, meeting.covariance[:, 1::2, 1::2], gradient)
+        e = np.hypot(np.sqrt(e), 0.5 * (steep[1] / steep[0] - flat[1] / flat[0]))
+    v = np.hypot(np.sqrt(meeting.covariance[:, 1, 1]), 0.5 * (steep[0] - flat[0]))
+    error = np.hypot(meeting.error, 0.5 * (high.missed - low.missed))
+    return (e, v), np.abs(meeting.missed) / np.maximum(error, 1e-15)
 
 
 def _reasons(

@@ -438,7 +438,7 @@ def unit_of(text: str, units: Mapping[str, float]) -> str | None:
     for mark, letter in {"µ": "u", "μ": "u", "−": "-"}.items():
         plain = plain.replace(mark, letter)
     plain = _WORDS.get(plain, plain)
-    if match := _PER_TIME.fullmatch(plain):
+    if plain not in units and (match := _PER_TIME.fullmatch(plain)):
         plain = f"{match[1]}/{match[2][0]}"
     return plain if plain in units else None
 
