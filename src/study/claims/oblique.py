@@ -731,7 +731,8 @@ def mean_restitutions(
     },
     reason=(
         "Half a unit of the last digit of both printed numbers, for the means over the sieve "
-        "range at the fastest class. Both numbers are statements from which contacts are drawn."
+        "range at the fastest class. Both numbers are statements from which contacts are drawn, too, "
+        "there within half a step of 0.05."
     ),
     if_met="calibrated",
     cases=RIDGE,

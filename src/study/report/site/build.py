@@ -34,9 +34,9 @@ COPIED = {
 # Folder of the packages, whose modules are copied where a figure, claim or equation names them.
 SOURCES = Path(__file__).parents[3]
 # Figures whose findings are at the head of the front page, that of the main picture first.
-FIRST = ("evidence", "capture_laws", "rival_restitution")
+FIRST = ("capture_velocity_summary", "capture_laws", "rival_restitution")
 # Claims that decide most of the article's argument.
-FIRST_CLAIMS = frozenset(("C03", "C09", "C16", "C19", "C27", "C34", "C36", "C43", "C45", "C66"))
+FIRST_CLAIMS = frozenset(("C03", "C16", "C19", "C27", "C34", "C36", "C43", "C45", "C66"))
 
 # Tables with rows of single claims.
 PARTS_OF_CLAIMS = {
