@@ -16,7 +16,7 @@ from study import analyses
 from study.declared.documents import load
 from study.declared.parameters import build
 from study.declared.references import merged
-from study.run.config import read_configuration, study_rows, validate
+from study.run.config import read_configuration, validate
 from study.run.study import run_with
 
 pytestmark = pytest.mark.slow
@@ -69,8 +69,7 @@ def test_every_parameter_is_read(monkeypatch):
     @cache
     def tables(study):
         needed = {table: tables(maker)[table] for table, maker in analyses.needs(study).items()}
-        rows = study_rows(study, settings, {})
-        return run_with(study, settings.branches[study], rows, needed)
+        return run_with(study, settings.branches[study], settings.rows[study], needed)
 
     for study in analyses.homes():
         tables(study)
