@@ -32,6 +32,16 @@ from study.figures.declaration import Figure as Words
 from study.figures.declaration import Series
 from study.tables import POINTS, Tables, points_parts
 
+# Kinds of lines by name: as many as a panel has curves.
+LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
+    "solid": "solid",
+    "dashed": "dashed",
+    "dotted": "dotted",
+    "dashdot": "dashdot",
+    "long dashed": (0, (6.0, 1.5)),
+    "dashdotdot": (0, (4.5, 1.2, 1.0, 1.2, 1.0, 1.2)),
+    "loose dashed": (0, (3.0, 3.0)),
+}
 TINT: dict[str, Any] = {"alpha": 0.25}
 GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
 HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
@@ -478,7 +488,7 @@ def _draw_series(
     look = {"zorder": 3, **(mark or EVIDENCE[evidence]), "color": colour}
     is_line = look["linestyle"] != "none"
     if is_line:
-        look["linestyle"] = spec.line
+        look["linestyle"] = LINES[spec.line]
     elif spec.open and evidence not in POINTS:
         look["markerfacecolor"] = "white"
     elif evidence == "virtual experiment":
@@ -525,7 +535,7 @@ def _draw_band(
         low, high = bounds
         ax.fill_between(x, low, high, linewidth=0, label=label, **look, **fill)
     for end, words in zip(bounds, (None if is_filled else label, None), strict=True):
-        ax.plot(x, end, linewidth=0.6, linestyle=spec.line, label=words, **look)
+        ax.plot(x, end, linewidth=0.6, linestyle=LINES[spec.line], label=words, **look)
 
 
 def _write_above(ax: Axes, rows: pd.DataFrame) -> None:
