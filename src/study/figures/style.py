@@ -361,15 +361,16 @@ class Sheet:
     ) -> None:
         """Name the evidence of marks and lines below the figure, then further entries.
 
-        Where all marks are of one class there is nothing to tell apart, and no key. Entries of series of points name their evidence themselves, each name and colour once.
+        Where all marks are of one class there is nothing to tell apart, and no key. Entries of
+        series of points name their evidence themselves, each name and colour once.
         """
         table = self._without_taken(pd.concat(self.tables.values(), ignore_index=True))
         known = set(table["evidence"])
         lines = {} if "computed" in known else {"calibrated": "computed, calibrated"}
-        own = {name: self.fill(text) for name, text in self.declared.evidence_labels.items()}
+        labels = {name: self.fill(text) for name, text in self.declared.evidence_labels.items()}
         handles = [
             Line2D([], [], color="black", label=words, **EVIDENCE[name])
-            for name, words in (lines | EVIDENCE_LABEL | own).items()
+            for name, words in (lines | EVIDENCE_LABEL | labels).items()
             if name in known
         ]
         entries = [*self._points, *entries]
@@ -606,8 +607,8 @@ def save(figure: Figure, *paths: Path | str, title: str = "", description: str =
     """Save a figure in the format of each suffix; equal figures give equal bytes.
 
     Its title goes into each file, the description into an SVG, for those who search or cannot see
-    it. Each file is written in one step; neither dates nor program versions go into it. The layout is
-    made once, with the text as wide as in an SVG, so that all files agree.
+    it. Each file is written in one step; neither dates nor program versions go into it. The layout
+    is made once, with the text as wide as in an SVG, so that all files agree.
     """
     with context():
         if engine := figure.get_layout_engine():
