@@ -146,7 +146,7 @@ class LogHandler(LogHandlerBase):
         self._print(f"{name}  {time.monotonic() - began:.1f} s  {self._done} of {self._total}")
 
     def _print_standing(self) -> None:
-        """Say what stands in the results."""
+        """Name the results that stand."""
         from study.run.summary import summary
 
         if self._results and self._results.is_dir():

@@ -107,7 +107,7 @@ def _headers(columns: str | None) -> dict[str, str]:
 @table_options({name: TABLE[name] for name in TABLE if name != "--unit"} | RECORDS)
 @click.option("-o", "--output", help="CSV of the rebounds, for 'microimpact fit'; else printed.")
 def reduce_command(data: str, reading: Mapping[str, Any], output: str | None) -> None:
-    """Reduce what cameras and clocks record to rebounds, with the errors of e and v.
+    """Reduce records of cameras and clocks to rebounds, with the errors of e and v.
 
     DATA is a text file of tracks (columns frame or t, x, y, optionally track and d or radius), of
     heights (h0 and h1, of drop and rebound, optionally d) or of times (t alone, the bounces of one

@@ -86,7 +86,7 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]
 
 @contextmanager
 def patience(work: str) -> Iterator[Callable[[str], None]]:
-    """Name work that takes longer than `PATIENCE`; yields what says how far it is.
+    """Name work that takes longer than `PATIENCE`; yield a function that says how far it is.
 
     Both on standard error, and only if that is a terminal.
     """

@@ -1,4 +1,4 @@
-"""The one exception that is a result: what physics or the inputs forbid."""
+"""The one exception that is a result: physics or the inputs forbid it."""
 
 
 class NotComputable(ValueError):  # noqa: N818  no error of the program is of this kind

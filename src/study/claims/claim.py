@@ -1,4 +1,4 @@
-"""A claim of the article: what it states, which numbers decide it, and the function of these numbers.
+"""A claim of the article: its statement, the numbers that decide it, and their function.
 
 Rules from which every criterion follows
   - A printed number holds within half a unit of its last digit plus the uncertainty of its inputs.

@@ -1,4 +1,4 @@
-"""What an analysis says of its figures: words, data and panels, beside what draws them.
+"""Figures as an analysis declares them: words, data and panels, beside their drawing.
 
 Nothing here imports Matplotlib: the words are read at every start of the workflow.
 """
@@ -21,7 +21,7 @@ from study.tables import Curves, Tables
 if TYPE_CHECKING:
     from study.figures.style import Sheet
 
-Line = Literal["solid", "dashed", "dotted", "dashdot"]
+Line = Literal["solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot", "loose dashed"]
 Mark = Literal["circle", "square", "triangle"]
 
 # Every figure is written in each of these.
@@ -100,7 +100,7 @@ def _no_drawing(sheet: Sheet) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """One figure: its words, the figure data it is drawn from, its panels, and what draws it.
+    """One figure: its words, the figure data it is drawn from, its panels, and its drawing.
 
     As a decorator it declares the figure that a function draws on a sheet. ``[[name]]`` in any text
     is a parameter of the analysis, see `documents.filled`. `article` says what the article shows
@@ -144,7 +144,7 @@ class Figure:
             object.__setattr__(self, key, " ".join(getattr(self, key).split()))
 
     def __call__(self, draw: Draw) -> Draw:
-        """Register what draws the figure."""
+        """Register the function that draws the figure."""
         FIGURES[self.name] = replace(self, draw=draw)
         return draw
 
@@ -155,7 +155,7 @@ class Figure:
 
     @property
     def description(self) -> str:
-        """Finding and caption: what the picture says to somebody who cannot see it."""
+        """Finding and caption, for somebody who cannot see the picture."""
         return f"{self.finding} {self.caption}".strip()
 
     def filled(
@@ -205,7 +205,7 @@ class Figure:
         return replace(self, **{key: texts[key] for key in TEXTS}, as_shipped="", contact="")
 
     def entry(self) -> dict[str, Any]:
-        """Return what is said of the figure as plain values, without what draws it."""
+        """Return the words of the figure as plain values, without its drawing."""
         keys = (*TEXTS, "analysis", "data", "article", "width", "height_mm")
         return {
             **{key: getattr(self, key) for key in keys},

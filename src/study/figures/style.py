@@ -32,6 +32,16 @@ from study.figures.declaration import Figure as Words
 from study.figures.declaration import Series
 from study.tables import POINTS, Tables, points_parts
 
+# Kinds of lines by name: as many as a panel has curves.
+LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
+    "solid": "solid",
+    "dashed": "dashed",
+    "dotted": "dotted",
+    "dashdot": "dashdot",
+    "long dashed": (0, (6.0, 1.5)),
+    "dashdotdot": (0, (4.5, 1.2, 1.0, 1.2, 1.0, 1.2)),
+    "loose dashed": (0, (3.0, 3.0)),
+}
 TINT: dict[str, Any] = {"alpha": 0.25}
 GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
 HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
@@ -351,15 +361,16 @@ class Sheet:
     ) -> None:
         """Name the evidence of marks and lines below the figure, then further entries.
 
-        Where all marks are of one class there is nothing to tell apart, and no key. Entries of series of points name their evidence themselves, each name and colour once.
+        Where all marks are of one class there is nothing to tell apart, and no key. Entries of
+        series of points name their evidence themselves, each name and colour once.
         """
         table = self._without_taken(pd.concat(self.tables.values(), ignore_index=True))
         known = set(table["evidence"])
         lines = {} if "computed" in known else {"calibrated": "computed, calibrated"}
-        own = {name: self.fill(text) for name, text in self.declared.evidence_labels.items()}
+        labels = {name: self.fill(text) for name, text in self.declared.evidence_labels.items()}
         handles = [
             Line2D([], [], color="black", label=words, **EVIDENCE[name])
-            for name, words in (lines | EVIDENCE_LABEL | own).items()
+            for name, words in (lines | EVIDENCE_LABEL | labels).items()
             if name in known
         ]
         entries = [*self._points, *entries]
@@ -478,7 +489,7 @@ def _draw_series(
     look = {"zorder": 3, **(mark or EVIDENCE[evidence]), "color": colour}
     is_line = look["linestyle"] != "none"
     if is_line:
-        look["linestyle"] = spec.line
+        look["linestyle"] = LINES[spec.line]
     elif spec.open and evidence not in POINTS:
         look["markerfacecolor"] = "white"
     elif evidence == "virtual experiment":
@@ -525,7 +536,7 @@ def _draw_band(
         low, high = bounds
         ax.fill_between(x, low, high, linewidth=0, label=label, **look, **fill)
     for end, words in zip(bounds, (None if is_filled else label, None), strict=True):
-        ax.plot(x, end, linewidth=0.6, linestyle=spec.line, label=words, **look)
+        ax.plot(x, end, linewidth=0.6, linestyle=LINES[spec.line], label=words, **look)
 
 
 def _write_above(ax: Axes, rows: pd.DataFrame) -> None:
@@ -596,8 +607,8 @@ def save(figure: Figure, *paths: Path | str, title: str = "", description: str =
     """Save a figure in the format of each suffix; equal figures give equal bytes.
 
     Its title goes into each file, the description into an SVG, for those who search or cannot see
-    it. Each file is written in one step; neither dates nor program versions go into it. The layout is
-    made once, with the text as wide as in an SVG, so that all files agree.
+    it. Each file is written in one step; neither dates nor program versions go into it. The layout
+    is made once, with the text as wide as in an SVG, so that all files agree.
     """
     with context():
         if engine := figure.get_layout_engine():

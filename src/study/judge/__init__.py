@@ -98,7 +98,7 @@ def judge(
 
 
 def amendments() -> list[Row]:
-    """Return what of a claim was changed after its first judgement: rows of the declared file."""
+    """Return the changes of claims after their first judgement: rows of the declared file."""
     with declared_file("amendments.csv").open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 

@@ -1,4 +1,4 @@
-"""What the ledgers come to: the only place where verdicts and revisions are counted."""
+"""Counts of the ledgers: the only place where verdicts and revisions are counted."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class Revisions(NamedTuple):
         return self.claims - self.criteria
 
 
-def verdicts(given: Iterable[str]) -> dict[str, int]:
+def verdicts(column: Iterable[str]) -> dict[str, int]:
     """Return how often each verdict of a ledger was given, the most frequent first."""
-    return dict(Counter(given).most_common())
+    return dict(Counter(column).most_common())
 
 
 def revisions(amendments: Iterable[Row]) -> Revisions:
@@ -37,5 +37,5 @@ def revisions(amendments: Iterable[Row]) -> Revisions:
 def errors(equations: Iterable[Row]) -> dict[str, int]:
     """Count distinct errors, not rows, by whose they are: ``article``, ``open``, ``scan``."""
     kinds = {row["error"]: row["kind_of_slip"] for row in equations if row["error"]}
-    found = Counter(kinds.values())
-    return {kind: found[kind] for kind in ("article", "open", "scan")}
+    number = Counter(kinds.values())
+    return {kind: number[kind] for kind in ("article", "open", "scan")}

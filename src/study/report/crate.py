@@ -134,8 +134,8 @@ def declared_inputs(config: Mapping[str, Any], project: Path) -> list[str]:
 
 def _files(root: Path, *patterns: str) -> list[str]:
     """Return the files below a root that match patterns, relative to it, sorted."""
-    found = {path for pattern in patterns for path in root.glob(pattern) if path.is_file()}
-    return sorted(p.relative_to(root).as_posix() for p in found if not p.name.startswith("."))
+    files = {path for pattern in patterns for path in root.glob(pattern) if path.is_file()}
+    return sorted(p.relative_to(root).as_posix() for p in files if not p.name.startswith("."))
 
 
 def _add(crate: Any, root: Path, name: str, folder: str = "") -> Any:

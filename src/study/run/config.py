@@ -198,7 +198,7 @@ class _Reader:
         return tables
 
     def branch(self, branches: type[Any], name: str) -> tuple[Any, list[tuple[str, str]]]:
-        """Return the parameters of an analysis, or None, and sort and name of what it names."""
+        """Return the parameters of an analysis, or None, and sort and name of all that it names."""
         self.known.named.clear()
         is_there = isinstance(self.config.get(name), Mapping)
         params = getattr(self.part(branches, name), name, None) if is_there else None
@@ -333,8 +333,8 @@ def _error(lines: Iterable[str]) -> ConfigError:
 
 
 def _refuse(lines: Iterable[str]) -> None:
-    if found := list(lines):
-        raise _error(found)
+    if problems := list(lines):
+        raise _error(problems)
 
 
 def _out_of_unit(rows: Iterable[Declared]) -> Iterator[str]:

@@ -113,8 +113,8 @@ def overlaid(
 def _read(path: str, spec: Figure) -> tuple[str, list[tuple[str, str, Point]]]:
     """Return the evidence of a file, and panel, name of the series and point of each row."""
     rows, comments, problems = read_rows(path, Point)
-    found = [kind for kind in POINTS for line in comments if line.startswith(f"# {kind}_by: ")]
-    if len(found) != 1:
+    kinds = [kind for kind in POINTS for line in comments if line.startswith(f"# {kind}_by: ")]
+    if len(kinds) != 1:
         problems.append("a comment must say who: '# digitised_by: ...' or '# measured_by: ...'")
     points = []
     for line, (_, point) in rows.items():
@@ -128,7 +128,7 @@ def _read(path: str, spec: Figure) -> tuple[str, list[tuple[str, str, Point]]]:
         problems.append("at least one point must follow")
     if problems:
         raise ConfigError("\n".join(f"{path}, {problem}" for problem in problems))
-    return found[0], points
+    return kinds[0], points
 
 
 def _panel_and_name(series: str, spec: Figure) -> tuple[str, str]:

@@ -180,7 +180,7 @@ def origin(config: Mapping[str, Any], project: Path | str) -> dict[str, Any]:
 
 
 def git_state(project: Path) -> dict[str, str | bool | None]:
-    """Return commit of a project, and whether what decides its results differs from it.
+    """Return commit of a project, and whether a file that decides its results differs from it.
 
     Both are None if it is no git checkout.
     """

@@ -15,7 +15,7 @@ FEW = 6
 
 
 def summary(results: Path, made: Sequence[str] = ()) -> str:
-    """Return a few lines on a run, or on what stands in its results.
+    """Return a few lines on a run, or on the results that stand.
 
     Parameters
     ----------

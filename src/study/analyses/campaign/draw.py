@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from study.figures.declaration import ANGLE, Figure, stated
 
 if TYPE_CHECKING:
-    from study.figures.declaration import Stated
-    from study.tables import Curves
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
 
+    from study.figures.declaration import Stated
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 FloatArray = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ TICKS = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
 
 
 def all_fail_at_shallow_angles(y: Curves) -> Stated:
-    """What could not be completed is at lower normal speeds than most experiments."""
+    """Experiments not completed are at lower normal speeds than most experiments."""
     (table,) = y.tables.values()
     angle, speed = table.iloc[:, 3], table.iloc[:, 4]
     normal, is_few = speed * np.sin(np.radians(angle)), table["panel"] == FEW

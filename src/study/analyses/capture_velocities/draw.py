@@ -10,8 +10,8 @@ from study.figures.declaration import CAPTURE_VELOCITY, TWO_STAGES, Figure, Seri
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 LAWS = {
     "model": Series("this model", 0),

@@ -59,10 +59,10 @@ def draw_fig01(sheet: Sheet) -> None:
         "sphere": "sphere",
         "angle": "≈ [[set_ups.camera_angle_deg:.0f]]°",
     }
-    place, ends = (0.0, 49.0, 174.0, 76.0), ((0.0, 174.0), (0.0, 76.0))
-    set_ups.imaging_side(parts.view(sheet, "side", place, ends, side))
-    place, ends = (0.0, 6.0, 174.0, 42.0), ((0.0, 174.0), (0.0, 42.0))
-    set_ups.imaging_top(parts.view(sheet, "top", place, ends, top))
+    frame, ends = (0.0, 49.0, 174.0, 76.0), ((0.0, 174.0), (0.0, 76.0))
+    set_ups.imaging_side(parts.view(sheet, "side", frame, ends, side))
+    frame, ends = (0.0, 6.0, 174.0, 42.0), ((0.0, 174.0), (0.0, 42.0))
+    set_ups.imaging_top(parts.view(sheet, "top", frame, ends, top))
     parts.key(sheet)
 
 
@@ -111,10 +111,10 @@ def draw_fig02(sheet: Sheet) -> None:
         "target": "target surface",
         "probe height": "$h$ ≈\n[[set_ups.probe_height_mm:g]] mm",
     }
-    place, ends = (0.0, 6.0, 128.0, 72.0), ((0.0, 128.0), (0.0, 72.0))
-    set_ups.analyser_top(parts.view(sheet, "top", place, ends, top))
-    place, ends = (128.0, 6.0, 46.0, 72.0), ((0.0, 46.0), (0.0, 72.0))
-    set_ups.analyser_side(parts.view(sheet, "side", place, ends, side))
+    frame, ends = (0.0, 6.0, 128.0, 72.0), ((0.0, 128.0), (0.0, 72.0))
+    set_ups.analyser_top(parts.view(sheet, "top", frame, ends, top))
+    frame, ends = (128.0, 6.0, 46.0, 72.0), ((0.0, 46.0), (0.0, 72.0))
+    set_ups.analyser_side(parts.view(sheet, "side", frame, ends, side))
     parts.key(sheet)
 
 
@@ -156,9 +156,9 @@ def draw_fig03(sheet: Sheet) -> None:
         "rebound spin": r"$r\Omega$",
         "angle": r"$\alpha$",
     }
-    place, ends = (0.0, 6.0, 86.0, 55.0), ((-1.3, 1.3), (-0.3, 1.3628))
+    frame, ends = (0.0, 6.0, 86.0, 55.0), ((-1.3, 1.3), (-0.3, 1.3628))
     scale = impacts.fitting(sheet.tables["fig03"])
-    impacts.velocities(parts.view(sheet, "impact", place, ends, words, scale))
+    impacts.velocities(parts.view(sheet, "impact", frame, ends, words, scale))
     parts.key(sheet)
 
 
@@ -242,7 +242,7 @@ def draw_fig13(sheet: Sheet) -> None:
     is_schematic=True,
 )
 def draw_fig19(sheet: Sheet) -> None:
-    """In multiples of the radius of the sphere, and of that of the contact."""
+    """Lengths in multiples of the radius of the sphere, or of the contact."""
     from study.analyses.fig01_03_13_19_22_schematics import contact, parts
 
     section = {
@@ -258,12 +258,12 @@ def draw_fig19(sheet: Sheet) -> None:
     }
     rows = sheet.tables["fig19"]
     radius = float(rows.loc[rows["series"] == "free shape", "x_um"].max())
-    place, ends = (0.0, 6.0, 76.0, 72.0), ((-1.346, 1.346), (-0.345, 2.205))
-    contact.section(parts.view(sheet, "section", place, ends, section, radius))
+    frame, ends = (0.0, 6.0, 76.0, 72.0), ((-1.346, 1.346), (-0.345, 2.205))
+    contact.section(parts.view(sheet, "section", frame, ends, section, radius))
     pressure = sheet.tables["fig19_pressure"][["x_um", "y_GPa"]].to_numpy(float)
     tension = float(sheet.tables["fig19_ring"]["y_N_per_m"].abs().max())
-    place, ends = (76.0, 6.0, 98.0, 72.0), ((-1.76, 1.19), (-1.33, 0.838))
-    contact.stresses(parts.view(sheet, "stresses", place, ends, stresses), pressure, tension)
+    frame, ends = (76.0, 6.0, 98.0, 72.0), ((-1.76, 1.19), (-1.33, 0.838))
+    contact.stresses(parts.view(sheet, "stresses", frame, ends, stresses), pressure, tension)
     parts.key(sheet)
 
 
@@ -310,6 +310,6 @@ def draw_fig22(sheet: Sheet) -> None:
     }
     rows = sheet.tables["fig22"]
     wavelength = float(rows.loc[rows["series"] == "surface"].iloc[:, 3].max())
-    place, ends = (0.0, 6.0, 86.0, 60.0), ((-0.65, 0.56), (-0.3, 0.544))
-    impacts.wavy_surface(parts.view(sheet, "geometry", place, ends, words, wavelength))
+    frame, ends = (0.0, 6.0, 86.0, 60.0), ((-0.65, 0.56), (-0.3, 0.544))
+    impacts.wavy_surface(parts.view(sheet, "geometry", frame, ends, words, wavelength))
     parts.key(sheet)

@@ -57,7 +57,7 @@ class View:
 def view(
     sheet: Sheet,
     name: str,
-    place: tuple[float, float, float, float],
+    frame: tuple[float, float, float, float],
     ends: tuple[Range, Range],
     words: Mapping[str, str],
     scale: float = 1.0,
@@ -70,7 +70,7 @@ def view(
         Its first table holds the parts of all panels.
     name
         Of the panel.
-    place
+    frame
         Its left and lower end, width and height, mm.
     ends
         What is drawn of x and of y.
@@ -83,7 +83,7 @@ def view(
     figure, titles = sheet.figure, sheet.declared.panels
     figure.set_layout_engine("none")
     width, height = WIDTH_MM[sheet.declared.width], sheet.declared.height_mm
-    left, low, wide, high = place
+    left, low, wide, high = frame
     ax = figure.add_axes((left / width, low / height, wide / width, high / height))
     ax.set(xlim=ends[0], ylim=ends[1], aspect="equal")
     ax.set_axis_off()

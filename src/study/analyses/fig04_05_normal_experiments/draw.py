@@ -18,8 +18,8 @@ from study.figures.declaration import (
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 # The marks of the analyser, then the contact without it: of all spheres, and of the mean one.
 CLASSES = {
@@ -100,7 +100,7 @@ def draw_fig04(sheet: Sheet) -> None:
 
 
 def smaller_lose_more(y: Curves) -> Stated:
-    """The curve of the smaller class lies above that of the larger."""
+    """The curve of the smaller class lies above the curve of the larger."""
     small, large = y("SST65 sieve"), y("SST125 sieve")
     more = small > np.interp(small.index, large.index, large)
     return stated(more.all() and small.max() > 0.9, most=100.0 * small.max())

@@ -20,8 +20,8 @@ from study.figures.declaration import (
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 COEFFICIENTS = {"restitution": "", "impulse_ratio": "", "energy_loss": ""}
 SMOOTH = {"computed": "computed (solid, dotted: mean size, smooth surfaces)"}
@@ -76,12 +76,12 @@ def compared(filled: tuple[str, str, int], hollow: tuple[str, str, int]) -> dict
 
     Curves of the same contacts on smooth surfaces and of Coulomb friction are with them.
     """
-    (one, words, colour), (other, other_words, other_colour) = filled, hollow
+    (first, words, colour), (second, second_words, second_colour) = filled, hollow
     return {
-        one: Series(words, colour),
-        other: Series(other_words, other_colour, open=True),
-        f"{one}, smooth": Series(words, colour),
-        f"{other}, smooth": Series(other_words, other_colour, line="dotted"),
+        first: Series(words, colour),
+        second: Series(second_words, second_colour, open=True),
+        f"{first}, smooth": Series(words, colour),
+        f"{second}, smooth": Series(second_words, second_colour, line="dotted"),
         "Coulomb friction": Series("Coulomb friction", 6, line="dashed"),
         "printed plateau": Series("_printed", 6),
     }
@@ -182,7 +182,9 @@ def draw_fig06(sheet: Sheet) -> None:
 
 def faces_differ(y: Curves) -> Stated:
     """The smooth curves differ at normal incidence, and the rough marks rise at shallow angles."""
-    front, back = (y(f"mirror {face}, smooth", "restitution").iloc[-1] for face in ("front", "back"))
+    front, back = (
+        y(f"mirror {face}, smooth", "restitution").iloc[-1] for face in ("front", "back")
+    )
     is_rough = y("mirror back", "restitution").iloc[0] > 1.0
     return stated(front - back > 0.01 and is_rough, front=front, back=back)
 
@@ -228,7 +230,9 @@ def restitution_falls_with_speed(y: Curves) -> Stated:
     """The slowest class rebounds clearly less at the steepest angle."""
     fast, slow = y("1.60 m/s"), y("0.45 m/s")
     angle = slow.index[-1]
-    return stated(fast[angle] - slow[angle] > 0.05, angle=angle, fast=fast[angle], slow=slow.iloc[-1])
+    return stated(
+        fast[angle] - slow[angle] > 0.05, angle=angle, fast=fast[angle], slow=slow.iloc[-1]
+    )
 
 
 @Figure(
@@ -272,7 +276,9 @@ def spin_lowers_adhesion_raises(y: Curves) -> Stated:
     """The spun marks fall with the angle to below zero; the slow ones begin above the fast."""
     spun, slow, fast = y("0.45 m/s, spun"), y("0.45 m/s"), y("1.60 m/s")
     angle = slow.index[0]
-    return stated(spun.idxmin() == spun.index[-1] and spun.min() < 0.0 and slow[angle] > fast[angle])
+    return stated(
+        spun.idxmin() == spun.index[-1] and spun.min() < 0.0 and slow[angle] > fast[angle]
+    )
 
 
 @Figure(

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 PANELS = {"restitution": "all speeds", "capture": "near capture, enlarged"}
 ENLARGED = {"capture": "restitution"}

@@ -8,8 +8,8 @@ from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, Figure, Series,
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def slides_then_rolls(y: Curves) -> Stated:

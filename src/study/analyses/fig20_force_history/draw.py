@@ -8,8 +8,8 @@ from study.figures.declaration import Figure, Series, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def attracts_at_both_ends(y: Curves) -> Stated:

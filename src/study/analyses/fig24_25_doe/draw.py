@@ -11,12 +11,12 @@ import numpy as np
 from study.figures.declaration import TWO_STAGES, Figure, Series, stated
 
 if TYPE_CHECKING:
-    from study.figures.declaration import Stated
-    from study.tables import Curves
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from study.figures.declaration import Stated
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 # By response: words and marks.
 NORMAL = {
@@ -196,10 +196,8 @@ def _draw_panel(ax: Axes, rows: pd.DataFrame, looks: Mapping[str, Series], *, ha
     margins = shown[is_margin & (shown["response"] == main)]
     for word, margin in MARGINS.items():
         label: str | None = margin.label
-        for place in margins.loc[margins["word"] == word, x]:
-            ax.axvline(
-                place, color=MARGIN_COLOUR, linestyle=margin.line, linewidth=0.9, label=label
-            )
+        for end in margins.loc[margins["word"] == word, x]:
+            ax.axvline(end, color=MARGIN_COLOUR, linestyle=margin.line, linewidth=0.9, label=label)
             label = None
     limit = float(margins.loc[margins["word"] == "margin", x].max())
     for response, look in looks.items():

@@ -16,8 +16,8 @@ from study.figures.declaration import (
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def unseen_rebounds_bias_the_mean(y: Curves) -> Stated:
@@ -78,7 +78,7 @@ def draw_coverage_of_means(sheet: Sheet) -> None:
 
 
 def both_means(case: str, words: str, colour: int, mark: Mark = "circle") -> dict[str, Series]:
-    """Return the series of one case: the mean that can be measured, and that of all rebounds."""
+    """Return the series of one case: the mean that can be measured, and the mean of all rebounds."""
     return {
         f"{case}: events that can be measured": Series(
             f"{words}of measurable events", colour, mark=mark

@@ -8,14 +8,16 @@ from study.figures.declaration import ANGLE, OVER_ANGLE, TWO_STAGES, Figure, Ser
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def spin_and_slopes_alone_do(y: Curves) -> Stated:
     """The ratio reaches zero with a mean spin alone, restitution one with slopes alone."""
     others = [y(f"mean 0, sd {sd}", "spin") for sd in ("0", "0.25", "0.5", "1")]
-    others += [y(f"{cause}, {speed}") for cause in ("adhesion", "slopes") for speed in ("fast", "slow")]
+    others += [
+        y(f"{cause}, {speed}") for cause in ("adhesion", "slopes") for speed in ("fast", "slow")
+    ]
     spun = min(y(f"mean {mean}, sd 0.1", "spin").min() for mean in ("0.25", "0.5", "0.9"))
     smooth = max(y(cause, "spore").max() for cause in ("none", "off centre, 0.2"))
     is_spin = min(map(min, others)) > 0.0 > spun

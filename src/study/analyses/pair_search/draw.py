@@ -15,8 +15,8 @@ from study.figures.declaration import (
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def printed_correction_is_biased(y: Curves) -> Stated:
@@ -25,7 +25,9 @@ def printed_correction_is_biased(y: Curves) -> Stated:
         how: max(y(f"{how}, e = {e}").abs().max() for e in ("0.4", "0.7", "0.9"))
         for how in ("printed", "exact")
     }
-    return stated(most["printed"] > 10.0 * most["exact"], printed=most["printed"], exact=most["exact"])
+    return stated(
+        most["printed"] > 10.0 * most["exact"], printed=most["printed"], exact=most["exact"]
+    )
 
 
 @Figure(

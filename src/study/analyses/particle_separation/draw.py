@@ -10,8 +10,8 @@ from study.figures.declaration import Figure, Series, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def adhesion_falls_below_patches(y: Curves) -> Stated:

@@ -8,12 +8,12 @@ from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, Fig
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def probe_looks_like_adhesion(y: Curves) -> Stated:
-    """What the probe sees begins among the capture velocities of both sizes."""
+    """Rebounds in the probe begin among the capture velocities of both sizes."""
     cases = [f"steel-silicon, n = {n}, {d} um" for n in (0, 1) for d in (49, 75)]
     starts = [curve[curve > 0.0].index[0] for curve in map(y, cases)]
     probe = y("probe alone").index[0]

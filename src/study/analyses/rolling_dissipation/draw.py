@@ -8,19 +8,19 @@ from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, Series, st
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def rolling_is_negligible(y: Curves) -> Stated:
     """Both estimates of an impact stay below the limit, the bound above."""
-    of = {
-        panel: [y(f"steel-silicon, n = {n}, {v} m/s", panel) for n in (0, 1) for v in ("0.5", "1.66", "5")]
-        for panel in ("bound", "impact", "damping")
+    contacts = [f"steel-silicon, n = {n}, {v} m/s" for n in (0, 1) for v in ("0.5", "1.66", "5")]
+    curves = {
+        panel: [y(name, panel) for name in contacts] for panel in ("bound", "impact", "damping")
     }
     limit = y("negligible", "bound").iloc[0]
-    most = max(curve.max() for curve in (*of["impact"], *of["damping"]))
-    return stated(most < limit < min(map(min, of["bound"])), most=100.0 * most)
+    most = max(curve.max() for curve in (*curves["impact"], *curves["damping"]))
+    return stated(most < limit < min(map(min, curves["bound"])), most=100.0 * most)
 
 
 @Figure(
@@ -57,7 +57,7 @@ def rolling_is_negligible(y: Curves) -> Stated:
     height_mm=75.0,
 )
 def draw_rolling(sheet: Sheet) -> None:
-    """Moment of rolling over that of friction against the angle, by each estimate."""
+    """Moment of rolling over moment of friction against the angle, by each estimate."""
     contacts = {
         "steel-silicon, n = 0, 0.5 m/s": Series("$n$ = 0, 0.5 m/s", 0, line="dotted"),
         "steel-silicon, n = 1, 0.5 m/s": Series("$n$ = 1, 0.5 m/s", 1, line="dashdotdot"),

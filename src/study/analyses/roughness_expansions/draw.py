@@ -8,8 +8,8 @@ from study.figures.declaration import OVER_ANGLE, Figure, Series, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 FORMS = {
     "exact": Series("exact", 6),
@@ -28,7 +28,8 @@ BARS = {"corrected": ("corrected", 0.07, 0), "printed": ("as printed", 0.03, 1)}
 def expansion_holds_on_gentle_slopes(y: Curves) -> Stated:
     """The range of agreement, to either side, is wider with the corrected signs."""
     printed, corrected = (
-        abs(y(f"range {form}", "slope restitution").index).min() for form in ("printed", "corrected")
+        abs(y(f"range {form}", "slope restitution").index).min()
+        for form in ("printed", "corrected")
     )
     return stated(printed < corrected, printed=printed, corrected=corrected)
 

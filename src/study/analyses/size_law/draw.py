@@ -18,8 +18,8 @@ from study.figures.declaration import (
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 # Two laws: words and colour; lines of speeds from 1.2 and from 2 capture velocities upwards.
 COMPARED: dict[str, tuple[str, int]] = {
@@ -35,7 +35,7 @@ LINES: tuple[tuple[Line, Line], ...] = (
 
 
 def rebounds_decide(y: Curves) -> Stated:
-    """At the best size of the larger sieve the hardest pair of laws is told apart."""
+    """At the best size of the larger sieve the hardest pair of laws is separated."""
     needed = pd.concat([y(f"{laws}, from 1.2 v_c") for laws in COMPARED], axis=1).max(axis=1)
     return stated(needed.min() < 1000.0, rebounds=needed.min(), larger=needed.idxmin())
 

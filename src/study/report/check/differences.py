@@ -70,14 +70,16 @@ def compare_tables(
     before, after = (_named(table, keys) for table in tables)
     label = _labels([*before, *after])
     at, words = partial(Difference, file=file), partial(_words, keys=keys)
-    found = []
+    differences = []
     for kind, side, here, there in (
         ("missing", "reference", before, after),
         ("extra", "result", after, before),
     ):
-        table, other = tables if kind == "missing" else tables[::-1]
-        found += [at(kind=f"{kind} column", column=str(c)) for c in table if c not in other]
-        found += [
+        table, counterpart = tables if kind == "missing" else tables[::-1]
+        differences += [
+            at(kind=f"{kind} column", column=str(c)) for c in table if c not in counterpart
+        ]
+        differences += [
             at(kind=f"{kind} row", row=label(name), **{side: words(table.iloc[i])})
             for name, i in here.items()
             if name not in there
@@ -88,8 +90,8 @@ def compare_tables(
         a, b = (t[column].iloc[p] for t, p in zip(tables, places, strict=True))
         for i, kind in _unequal(a, b, tolerance(column)):
             cells = {"reference": a.iloc[i], "result": b.iloc[i]}
-            found.append(at(kind=kind, row=label(names[i]), column=column, **cells))
-    return found
+            differences.append(at(kind=kind, row=label(names[i]), column=column, **cells))
+    return differences
 
 
 def _numbers(cells: pd.Series) -> pd.Series:
@@ -191,5 +193,5 @@ def _line(difference: Difference) -> str:
         "…" * (start > 0) + cell[start : start + WIDTH] + "…" * (len(cell) > start + WIDTH)
         for cell in cells
     )
-    place = f"{difference.row}, {difference.column or difference.kind}".removeprefix(", ")
-    return " ".join(f"{place}: {before} -> {after}".split())
+    where = f"{difference.row}, {difference.column or difference.kind}".removeprefix(", ")
+    return " ".join(f"{where}: {before} -> {after}".split())
