@@ -24,7 +24,7 @@ from microimpact.lab.ptis.tracks import Leg, fit_path
 # Points of a flight. A cut, and the loss of a point at it, must explain more than chance does, and
 # the velocity change by this share of the speed: drag or a distorted picture bend a flight, too.
 LEAST_POINTS = 3
-CUT, BLUR, KINK = 1e-4, 1e-3, 0.1
+CUT, BLUR, KINK, PASSES = 1e-4, 1e-3, 0.1, 5
 # The scatter of all flights counts as so many deviations beside a flight's own (an empirical prior
 # as of Smyth, 2004); a flight that scatters so many times as much is no single one.
 PRIOR, ROUGH = 10.0, 5.0
@@ -36,7 +36,8 @@ STILL, KNOWN = 0.01, 0.05
 FOUND = 1.0
 # Air of 20 C: density and viscosity, kg/m3 and Pa s.
 AIR_DENSITY, AIR_VISCOSITY = 1.204, 1.82e-5
-STEPS = 200
+# Of the integral over a fall through it, and of the search for the speed.
+NODES, HALVINGS = 40, 60
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -228,7 +229,17 @@ def _flights_of(time: FloatArray, points: FloatArray, pull: float) -> tuple[list
         return [], f"{time.size} points; {LEAST_POINTS} before and {LEAST_POINTS} after are needed"
     if (twice := np.flatnonzero(np.diff(time) <= 0.0)).size:
         return [], f"two points at {time[twice[0]]:g} s"
-    return _flights(time, points - points.mean(axis=0), pull, 0), ""
+    places = points - points.mean(axis=0)
+    flights, passes = _flights(time, places, pull, 0), 0
+    before: list[slice] = []
+    # The first cuts of many bounces were a compromise: each anew, between its neighbours.
+    while flights != before and passes < PASSES:
+        before, flights = flights, flights[:1]
+        for following in before[1:]:
+            both = slice(flights[-1].start, following.stop)
+            flights[-1:] = _flights(time[both], places[both], pull, both.start)
+        passes += 1
+    return flights, ""
 
 
 def _flights(time: FloatArray, points: FloatArray, pull: float, begin: int) -> list[slice]:
@@ -654,26 +665,29 @@ def reduce_heights(
 
 def _speed(height: FloatArray, d: FloatArray, density: float | None, sign: float) -> FloatArray:
     """Speed at the wall, m/s, of a fall (sign -1) from, or a rise (1) to rest at a height, m."""
+    free = np.sqrt(2.0 * gravity * height)
     if density is None:
-        return np.sqrt(2.0 * gravity * height)
-    # Over the square root of the height, in which the specific kinetic energy is smooth.
-    ends = np.sqrt(height) / STEPS
+        return free
+    share, weights = scipy.special.roots_sh_legendre(NODES)
 
-    def slope(root: FloatArray, energy: FloatArray) -> FloatArray:
-        speed = np.sqrt(2.0 * np.maximum(energy, 0.0))
-        reynolds = AIR_DENSITY * speed * d / AIR_VISCOSITY
-        stokes = 18.0 * AIR_VISCOSITY * speed / (density * d**2)
-        return 2.0 * root * (gravity + sign * stokes * (1.0 + 0.15 * reynolds**0.687))
+    def reached(speed: FloatArray) -> FloatArray:
+        """Height at a speed, m: the integral of v dv over the deceleration."""
+        v = speed[:, None] * np.append(share, 1.0)
+        reynolds = AIR_DENSITY * v * d[:, None] / AIR_VISCOSITY
+        drag = 18.0 * AIR_VISCOSITY * v / (density * d[:, None] ** 2)
+        pull = gravity + sign * drag * (1.0 + 0.15 * reynolds**0.687)
+        inner = np.where(pull > 0.0, pull, np.nan)
+        rise = np.sum((weights * v[:, :-1] * speed[:, None]) / inner[:, :-1], axis=1)
+        return np.where(pull[:, -1] > 0.0, rise, np.inf)  # no fall is faster than the last one
 
-    energy = np.zeros_like(height)
-    for i in range(STEPS):
-        root = i * ends
-        k1 = slope(root, energy)
-        k2 = slope(root + 0.5 * ends, energy + 0.5 * ends * k1)
-        k3 = slope(root + 0.5 * ends, energy + 0.5 * ends * k2)
-        k4 = slope(root + ends, energy + ends * k3)
-        energy = energy + ends * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
-    return np.sqrt(2.0 * energy)
+    low, high = 0.0 * free, free
+    while np.any(short := reached(high) < height):
+        high = np.where(short, 2.0 * high, high)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        below = reached(middle) < height
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return 0.5 * (low + high)
 
 
 def reduce_times(times: ArrayLike, *, sigma: float = 0.0) -> Reduced:
