@@ -137,6 +137,30 @@ def test_both_printed_capture_velocities_count(judged):
     assert (both - neither)[known] == pytest.approx(by_hand[known])
 
 
+def test_one_tilt_turns_restitution_and_impulse_ratio_of_one_experiment(judged):
+    """The mean over a common error by plain sums; apart they would be more likely."""
+    scenario, rise = judged.case.scenarios[WITHOUT], "rise of the impulse ratio"
+    grazing = judged.case.statements[rise].same_normal_as
+    e, ratio = (judged.case.statements[name] for name in (grazing, rise))
+    error = judged.case.normal_error(scenario)
+    known = np.flatnonzero(np.isfinite(judged.values[rise]).all(axis=1))[:20]
+    turns = np.random.default_rng(3).normal(0.0, error, (4000, 1, 1))
+    v = {name: value[known] for name, value in judged.values.items()}
+    logs = e.log_likelihood(v[grazing] + turns * v[f"shared {grazing}"], e.interval)
+    of_e = np.exp(logs).mean(axis=2)
+    own = error * v[f"own {rise}"]
+    turned = v[rise] + turns * v[f"shared {rise}"]
+    of_ratio = np.exp(ratio.log_likelihood(turned, ratio.interval, error=own))
+    mean = (of_e[..., None] * of_ratio).mean(axis=0)
+    likely = mean > 0.02
+    assert likely.sum() > 5
+    both = np.exp(judged.log_together(scenario, rise)[known])
+    assert both[likely] == pytest.approx(mean[likely], rel=0.1)
+    # Towards the surface e falls, and so does the ratio.
+    assert np.all(v[f"shared {grazing}"][:, 0] > 0.0)
+    assert np.all(v[f"shared {rise}"] > 0.0)
+
+
 def test_eq_27_as_printed_takes_the_net_force_alone(judged):
     bases = judged.case.friction_bases(judged.law)
     printed = judged.case.scenarios["Eq. 27 as printed"]

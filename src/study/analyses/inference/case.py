@@ -16,6 +16,8 @@ from microimpact.model.choices import FrictionBasis
 from microimpact.model.contact import Contact
 from study.analyses.inference.statements import (
     FRICTIONAL,
+    OWN,
+    SHARED,
     TURNING,
     Statement,
     Values,
@@ -52,6 +54,8 @@ WORK: Parameter = "work_of_adhesion_J_per_m2"
 # Uniform before the statements; of the others the logarithm is, for not even their order is known.
 # What is lost in the material adds to the loss, so that no share of it is preferred.
 LINEAR = ("hertz_damping_s_per_m", "rate_exponent", "edge_exponent", "friction")
+# Turns of a shared normal, in standard deviations, over which likelihoods are averaged.
+TURNS = np.linspace(-4.0, 4.0, 17)
 Span = Annotated[tuple[NonNegative, Positive], Ascending]
 Basis = FrictionBasis | Literal["pull-off"]
 
@@ -224,6 +228,31 @@ class Judged:
         named = scenario.friction_bases or self.law.friction_bases
         return np.isin(self.case.friction_bases(self.law), named)
 
+    def log_together(self, scenario: Scenario, name: str) -> FloatArray:
+        """Log likelihood of a statement and of the one that has the same normal (n, bases).
+
+        The mean over the error of the normal; one that is open is averaged over its angles first.
+        """
+        other = self.case.statements[name].same_normal_as or ""
+        both = other, name
+        key = (both, *map(scenario.intervals.get, both), scenario.tails, scenario.angle_error_deg)
+        if key not in self._logs:
+            error = self.case.normal_error(scenario)
+            parts = []
+            for turn in TURNS * error:
+                logs = []
+                for each in both:
+                    value, interval, tails, _ = self.arguments(scenario, each)
+                    value = value + turn * self.values[SHARED + each]
+                    own = error * self.values[OWN + each]
+                    statement = self.case.statements[each]
+                    logs.append(statement.log_likelihood(value, interval, tails, own))
+                parts.append(log_mean(logs[0])[:, None] + logs[1])
+            weights = np.exp(-0.5 * TURNS**2)[:, None, None]
+            mean = scipy.special.logsumexp(np.array(parts), axis=0, b=weights / weights.sum())
+            self._logs[key] = np.asarray(mean)
+        return self._logs[key]
+
     def misses(self, scenario: Scenario, name: str) -> BoolArray:
         """Whether contacts (n,) miss a statement; of open angles, sizes and bases, one must do."""
         statement = self.case.statements[name]
@@ -236,7 +265,12 @@ class Judged:
         """Return the likelihood of a scenario; open angles, sizes and bases are alike before it."""
         total: FloatArray = np.zeros(len(self.values["capture"]))
         by_basis = np.where(self.bases(scenario), total[:, None], -np.inf)
-        for name in counted(self.case, scenario):
+        names = counted(self.case, scenario)
+        shared = {n: self.case.statements[n].same_normal_as for n in names}
+        together = {n: other for n, other in shared.items() if other in names}
+        for name in together:
+            by_basis = by_basis + self.log_together(scenario, name)
+        for name in (n for n in names if n not in {*together, *together.values()}):
             log = self.log(scenario, name)
             if self.case.statements[name].quantity in FRICTIONAL:
                 by_basis = by_basis + log

@@ -66,8 +66,9 @@ Quantity = Literal[
 ]
 FRICTIONAL = ("impulse ratio", "change of impulse ratio")
 OF_CAPTURE = ("capture velocity in m/s", "share captured")
-# Before the name of a statement: how fast its value changes as normals turn, per radian.
-TURNING = "turning "
+# Before the name of a statement: how fast its value changes as normals turn, per radian; and with a
+# normal that statements share, and with others.
+TURNING, SHARED, OWN = "turning ", "shared ", "own "
 Values = dict[str, FloatArray]
 
 
@@ -90,6 +91,8 @@ class Statement:
     tail: Positive
     spheres: Count = 1  # Of a share captured: so many were looked at
     is_open: bool = False  # One of its impacts is meant; which, is not stated
+    # A statement of the same experiments as its first impact: both have one error of the normal.
+    same_normal_as: Name | None = None
 
     def __post_init__(self) -> None:
         """Refuse impacts that cannot be paired."""
@@ -135,9 +138,22 @@ class Statement:
         rates
             Their changes per radian, alike.
         """
+        return np.asarray(np.sqrt(np.sum(np.square(self._turned(of_impacts, rates)), axis=0)))
+
+    def turning_together(self, of_impacts: FloatArray, rates: FloatArray) -> FloatArray:
+        """How fast its value changes with the normal that it shares, and with its own (2,).
+
+        With sign, and the root of the sum of squares; arguments as in `turning`. An open statement
+        shares that of the impact that is meant, any other that of the first.
+        """
+        changes = self._turned(of_impacts, rates)
+        shared = len(changes) if self.is_open else 1
+        own = np.sqrt(np.sum(np.square(changes[shared:]), axis=0))
+        return np.stack([np.sum(changes[:shared], axis=0), own])
+
+    def _turned(self, of_impacts: FloatArray, rates: FloatArray) -> FloatArray:
         value, turned = self.value(of_impacts), np.eye(of_impacts.shape[-2])[:, :, None] * TURN
-        changes = [self.value(of_impacts + rates * each) - value for each in turned]
-        return np.asarray(np.sqrt(np.sum(np.square(changes), axis=0)) / TURN)
+        return np.array([self.value(of_impacts + rates * each) - value for each in turned]) / TURN
 
     def captured(self, limits: FloatArray, classes_um: FloatArray) -> FloatArray:
         """Share of its spheres that are captured, from capture velocities (n, classes) in m/s."""
@@ -310,6 +326,7 @@ def _normal(statements: Mapping[str, Statement], contacts: AtDiameters) -> Value
             rates = (1.0 + value) * cot - lost + v_t * slope[:, part]
         values[name] = statement.value(value)
         values[TURNING + name] = statement.turning(value, rates)
+        values[SHARED + name], values[OWN + name] = statement.turning_together(value, rates)
     return values
 
 
@@ -344,7 +361,9 @@ def _frictional(
     for (name, statement), part, shape in zip(statements.items(), parts, columns, strict=True):
         value = part.reshape(*part.shape[:2], *shape.shape)
         values[name] = statement.value(value)
-        values[TURNING + name] = statement.turning(value, 1.0 + np.square(value))
+        rates = 1.0 + np.square(value)
+        values[TURNING + name] = statement.turning(value, rates)
+        values[SHARED + name], values[OWN + name] = statement.turning_together(value, rates)
     return values
 
 
