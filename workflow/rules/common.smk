@@ -43,7 +43,7 @@ from study.figures.declaration import FORMATS
 from study.judge.criteria import declared_claims
 from study.report import explorer, site
 from study.report.site import record as site_record
-from study.declared.documents import load, located
+from study.declared.documents import load
 from study.declared.references import merged
 from study.run.changed import changed_inputs
 from study.run.config import FILES, read_configuration, read_inputs, validate

@@ -150,8 +150,8 @@ class Resolver:
                 for name, child in node.items()
             }
         if isinstance(node, list) and any(isinstance(each, Mapping) for each in node):
-            shipped = dict(enumerate(base)) if isinstance(base, list) else {}
-            return [self._parsed(c, shipped.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
+            items = dict(enumerate(base)) if isinstance(base, list) else {}
+            return [self._parsed(c, items.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
         return as_declared(node, base, key)
 
     def _plain(self, kind: Any, node: Any, key: str) -> Any:

@@ -197,10 +197,7 @@ def read_declared(path: str, table: str) -> DeclaredTable:
 
 
 class NamedTables(dict[str, Any]):
-    """Tables of a study by name; asking for one that is missing says why.
-
-    `tables`: as they are, or the files of some. One that could not be computed is missing.
-    """
+    """Tables of a study by name, given as they are or as files; a missing one says why."""
 
     def __init__(self, tables: Mapping[str, Any]) -> None:
         super().__init__()
@@ -233,16 +230,8 @@ class DeclaredTables:
         for row in self.printed_values.rows:
             numbers: dict[str, Any] = {n: _exact(row[n]) for n in ("value", "low", "high")}
             numbers["range"] = [numbers["low"], numbers["high"]]
-            parts = {
-                name: Declared(
-                    value,
-                    "printed",
-                    row["where"],
-                    f"printed.{row['key']}",
-                    given_unit=row["unit"],
-                )
-                for name, value in numbers.items()
-            }
+            words = "printed", row["where"], f"printed.{row['key']}"
+            parts = {n: Declared(v, *words, given_unit=row["unit"]) for n, v in numbers.items()}
             printed[row["key"]] = parts["value"] if row["value"] else parts
         return printed
 
@@ -291,15 +280,13 @@ class DeclaredTables:
         return self.named([*named, ("contacts", f"{particle} on {surface}")], {})
 
     def whole(self, names: Collection[str], declared: Iterable[Declared] = ()) -> dict[str, str]:
-        """Return all rows of some tables as CSV; of ``declared``, those of the configuration."""
-        columns = ("key", "value", "unit", "evidence", "source", "origin", "overrides")
-        rows = ({name: as_text(getattr(row, name)) for name in columns} for row in declared)
-        return {
-            name: (
-                DeclaredTable("", columns, tuple(rows)) if name == DECLARED else getattr(self, name)
-            ).text()
-            for name in names
-        }
+        """Return all rows of some tables as CSV; of `DECLARED`, those of the configuration."""
+        texts = {name: getattr(self, name).text() for name in names if name != DECLARED}
+        if DECLARED in names:
+            columns = ("key", "value", "unit", "evidence", "source", "origin", "overrides")
+            rows = ({name: as_text(getattr(row, name)) for name in columns} for row in declared)
+            texts[DECLARED] = DeclaredTable("", columns, tuple(rows)).text()
+        return texts
 
 
 def _exact(text: str) -> int | float | None:

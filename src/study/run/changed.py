@@ -27,7 +27,7 @@ def changed_inputs(used: Settings, shipped: Settings) -> dict[str, dict[str, str
     """
     stand = {row.key: row.origin or row.key for row in (*shipped.declared, *used.declared)}
     differing = {
-        name: {**_parameters(name, used, shipped, stand), **_rows(name, used, shipped)}
+        name: dict([*_parameters(name, used, shipped, stand), *_rows(name, used, shipped)])
         for name in used.branches
     }
     return {
@@ -44,20 +44,17 @@ def _resting(name: str) -> dict[str, None]:
 
 def _parameters(
     name: str, used: Settings, shipped: Settings, stand: Mapping[str, str]
-) -> dict[str, str]:
+) -> Iterator[tuple[str, str]]:
+    """Yield the keys of a study's parameters that differ, and where each is declared."""
     before, after = (
         dict(_leaves(each.branches[name], name, each.pairs)) for each in (shipped, used)
     )
-    places = {}
     for key in dict.fromkeys((*before, *after)):
         if before.get(key) != after.get(key):
             # A list is declared item by item; materials are those of the case above them.
-            keys = (
-                f"{name}{item}" for name in (key, key.rpartition(".")[0]) for item in ("", "[0]")
-            )
-            location = next((stand[each] for each in keys if each in stand), key)
-            places[key] = "seed" if key.endswith(".seed") else location.removesuffix("[0]")
-    return places
+            above = key.rpartition(".")[0]
+            places = (stand[k] for k in (key, f"{key}[0]", above, f"{above}[0]") if k in stand)
+            yield key, "seed" if key.endswith(".seed") else next(places, key).removesuffix("[0]")
 
 
 def _leaves(node: Any, key: str, pairs: Mapping[str, tuple[str, str]]) -> Iterator[tuple[str, Any]]:
@@ -67,23 +64,18 @@ def _leaves(node: Any, key: str, pairs: Mapping[str, tuple[str, str]]) -> Iterat
             yield from _leaves(child, f"{key}.{name}", pairs)
         return
     yield key, node
-    named = {name: pairs[name] for name in _texts(node) if name in pairs}
-    if named and key.rpartition(".")[2] in {"case", "cases"}:
-        for i, body in enumerate(("particle", "surface")):
-            yield f"{key}.{body}", sorted({pair[i] for pair in named.values()})
+    if key.rpartition(".")[2] in {"case", "cases"}:
+        several = map(str, node if isinstance(node, list) else [node])
+        named = [pairs[name] for name in several if name in pairs]
+        for i, body in enumerate(("particle", "surface") if named else ()):
+            yield f"{key}.{body}", sorted({pair[i] for pair in named})
 
 
-def _texts(node: Any) -> list[str]:
-    return [each for each in (node if isinstance(node, list) else [node]) if isinstance(each, str)]
-
-
-def _rows(name: str, used: Settings, shipped: Settings) -> dict[str, str]:
-    """Return the rows of declared tables that a study is given and that are not as shipped."""
-    rows = {}
+def _rows(name: str, used: Settings, shipped: Settings) -> Iterator[tuple[str, str]]:
+    """Yield the rows of declared tables that a study is given and that are not as shipped."""
     for table in TABLES:
         as_used, as_shipped = getattr(used.tables, table), getattr(shipped.tables, table)
         if as_used.rows != as_shipped.rows:
             text = used.rows[name].get(IN_STUDIES.get(table, table), "")
             for line in set(text.splitlines()) - set(as_shipped.text().splitlines()):
-                rows[f"{name}.{table}.{line}"] = f"{table}.{line.partition(',')[0]}"
-    return rows
+                yield f"{name}.{table}.{line}", f"{table}.{line.partition(',')[0]}"

@@ -29,7 +29,7 @@ from study.declared.documents import ConfigError, entries, load, located
 from study.declared.parameters import Known, Name, Seed, adapter, build, explain
 from study.declared.provenance import Declared, unit_of
 from study.declared.references import Resolver
-from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
+from study.declared.selection import TABLES, DeclaredTables, read_all
 from study.figures.declaration import Figure, all_figures
 from study.laboratory import Laboratory
 from study.run.digitised import files_of
@@ -129,7 +129,9 @@ def validate(
     params, named = dict[str, Any](), dict[str, list[tuple[str, str]]]()
     for name in names:
         params[name], named[name] = reader.branch(branches, name)
-        reader.problems += _unprinted(name, tables.printed_values)
+        lacking = {*analyses.printed(name)} - tables.printed_values.names
+        path = tables.printed_values.path
+        reader.problems += [f"{path}: {key}: missing; {name} reads it" for key in sorted(lacking)]
     cases = {entry for each in named.values() for sort, entry in each if sort == "cases"}
     reader.problems += _lacking(laboratory, params, cases)
     _refuse(reader.lines())
@@ -150,7 +152,11 @@ def validate(
             name: tables.named(each, bodies) | tables.whole(analyses.whole(name), declared)
             for name, each in named.items()
         },
-        pairs={tables.contacts.name(row): _bodies(row) for row in tables.contacts.rows} | bodies,
+        pairs={
+            tables.contacts.name(row): (row["particle"], row["surface"])
+            for row in tables.contacts.rows
+        }
+        | bodies,
         declared=declared,
     )
 
@@ -213,10 +219,6 @@ class _Reader:
             return any(fault.startswith((f"{key}.", f"{key}:")) for fault in malformed)
 
         return [*malformed, *(line for line in self.problems if not follows(line))]
-
-
-def _bodies(row: Mapping[str, str]) -> tuple[str, str]:
-    return row["particle"], row["surface"]
 
 
 def _no_mappings(config: Mapping[str, Any], keys: Iterable[str]) -> Iterator[str]:
@@ -314,13 +316,6 @@ def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:
         yield from _slips(child, items, origins)
 
 
-def _unprinted(name: str, table: DeclaredTable) -> Iterator[str]:
-    """Yield a line for each printed value that a study reads and the table lacks."""
-    for key in analyses.printed(name):
-        if key not in table.names:
-            yield f"{table.path}: {key}: missing; {name} reads it"
-
-
 def _error(lines: Iterable[str]) -> ConfigError:
     """Return the error of some lines.
 
@@ -382,11 +377,13 @@ def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
     OSError
         If a file cannot be read.
     """
-    general = settings.general
-    tables = settings.tables
-    materials = _materials(tables.materials)
+    general, rows = settings.general, settings.tables.materials.rows
+    with located(general.materials):
+        for end in ("low", "high"):  # both ends of every uncertain property must be possible, too
+            materials_from_rows({**row, "value": row[end] or row["value"]} for row in rows)
+        materials = materials_from_rows(rows)
     with located(general.contacts):
-        contacts = pairs_from_rows(tables.contacts.rows)
+        contacts = pairs_from_rows(settings.tables.contacts.rows)
     wrong = [
         f"{general.materials}: {name}: {line}"
         for name, material in materials.items()
@@ -405,16 +402,6 @@ def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
         for name, each in all_figures().items()
     }
     return Inputs(figures=figures, digitised=files_of(general.digitised, figures))
-
-
-def _materials(table: DeclaredTable) -> dict[str, Material]:
-    """Return the materials; both ends of every uncertain property must be possible, too."""
-    try:
-        for end in ("low", "high"):
-            materials_from_rows({**row, "value": row[end] or row["value"]} for row in table.rows)
-        return materials_from_rows(table.rows)
-    except ValueError as error:
-        raise ValueError(f"{table.path}: {error}") from None
 
 
 def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:

@@ -91,28 +91,21 @@ def schemas() -> dict[str, Schema]:
     ]
     keys += [(name, analyses.analysis(name).Params) for name in analyses.homes()]
     configuration = make_dataclass("Configuration", keys, kw_only=True)
-    equations = _registry(EQUATION_NAME, Equation)
-    equations["properties"] = {SYMBOLS: {"type": "object"}, ERRATA: {"type": "array"}}
+    equation = _generated(Equation)
     return {
         "config.schema.json": _generated(configuration),
-        "equations.schema.json": equations,
+        "equations.schema.json": {
+            "type": "object",
+            "additionalProperties": False,
+            "properties": {SYMBOLS: {"type": "object"}, ERRATA: {"type": "array"}},
+            "$defs": equation.pop("$defs", {}),
+            "patternProperties": {EQUATION_NAME: equation},
+        },
     }
 
 
 def _generated(kind: type[Any]) -> Schema:
     return adapter(kind).json_schema(schema_generator=DeclaredSchema)  # type: ignore[arg-type]
-
-
-def _registry(pattern: str, kind: type[Any]) -> Schema:
-    """Return the schema of a file of entries whose names match a pattern."""
-    entry = _generated(kind)
-    definitions = entry.pop("$defs", {})
-    return {
-        "type": "object",
-        "additionalProperties": False,
-        "patternProperties": {pattern: entry},
-        "$defs": definitions,
-    }
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

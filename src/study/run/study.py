@@ -85,17 +85,7 @@ def run_with(
     rows: Mapping[str, str],
     tables: Mapping[str, pd.DataFrame],
 ) -> dict[str, pd.DataFrame]:
-    """Run one study with its parameters and tables.
-
-    Parameters
-    ----------
-    branch
-        Plain values of its parameters.
-    rows
-        Rows of declared tables, as CSV by table.
-    tables
-        Tables of earlier studies by name.
-    """
+    """Run one study with plain parameters, declared rows as CSV, and tables of earlier studies."""
     study = analyses.analysis(name)
     inputs = NamedTables({key: parse_table(text) for key, text in rows.items()} | {**tables})
     made: dict[str, pd.DataFrame] = dict(study.run(build(study.Params, branch), inputs))

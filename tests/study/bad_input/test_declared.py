@@ -189,6 +189,7 @@ OVERLAYS = [
     ({"fig23_monte_carlo": {"process": {"diameter_um": {"kind": "constant", "at": 6.2e-5}}}}, ["fig23_monte_carlo.process.diameter_um.at: 6.2e-05 um must be from 0.001 to 5000 um"]),
     ({"fig23_monte_carlo": {"process": {"diameter_um": {"kind": "histogram", "edges": [5e-5, 6e-5], "counts": [1]}}}}, ["fig23_monte_carlo.process.diameter_um.edges[0]: 5e-05 um must be", "fig23_monte_carlo.process.diameter_um.edges[1]: 6e-05 um must be"]),
     ({"fig23_monte_carlo": {"process": {"slope": 0.3}}}, ["fig23_monte_carlo.process.slope: 0.3 must be a mapping with the key kind: constant, uniform,"]),
+    ({"fig23_monte_carlo": {"process": {"slope": {"kind": ["normal"]}}}}, ["fig23_monte_carlo.process.slope.kind: \"['normal']\" must be one of constant, uniform,"]),
     # what is allowed alone, but contradicts something else
     ({"particles": {"SST76": {"mean_diameter_um": 60}}}, ["particles.SST76: mean_diameter_um 60 must be the mean of diameter_um, 62: change both"]),
     ({"fig23_monte_carlo": {"process": {"diameter_um": {"kind": "truncated_normal", "mean": 50, "sd": 9, "low": 100, "high": 110}}}}, ["fig23_monte_carlo.process.diameter_um: from 100 to 110, only 1e-08 of mean 50, sd 9 is left"]),

@@ -70,3 +70,15 @@ def test_another_contact_must_be_of_its_pair():
     overlay = {"impact": {"cases": ["steel-silicon, n = 1", "steel-mirror front"]}}
     with pytest.raises(ValueError, match=r"impact\.cases\[1\]: 'steel-mirror front' is of"):
         validate(merged(shipped(), overlay), shipped())
+
+
+def test_another_contact_changes_what_is_made_of_all_contacts(tmp_path):
+    path = tmp_path / "contacts.csv"
+    rows = (ROOT / "config/contacts.csv").read_text(encoding="utf-8").splitlines()
+    row = next(line for line in rows if "work_of_adhesion" in line)
+    fields = row.split(",")
+    fields[3] = "0.123"
+    path.write_text("\n".join(rows).replace(row, ",".join(fields)) + "\n", encoding="utf-8")
+    settings = validate(shipped() | {"contacts": str(path)}, shipped())
+    changed = changed_inputs(settings, settings_as_shipped())
+    assert f"contacts.{fields[0]}" in changed["contact_properties"].values()
