@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from study.figures.declaration import ANGLE, Figure, stated
 
 if TYPE_CHECKING:
-    from study.figures.declaration import Stated
-    from study.tables import Curves
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
 
+    from study.figures.declaration import Stated
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 FloatArray = NDArray[np.float64]
 

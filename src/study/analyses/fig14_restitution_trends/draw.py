@@ -8,8 +8,8 @@ from study.figures.declaration import NORMAL_SPEED, Figure, Series, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def slower_lose_more(y: Curves) -> Stated:

@@ -8,8 +8,8 @@ from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, Figure, Series,
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def slides_then_rolls(y: Curves) -> Stated:
@@ -64,7 +64,7 @@ def draw_fig17(sheet: Sheet) -> None:
         "-0.2": Series("$-$0.2", 5, line="dotted"),
         "0": Series("0", 2),
         "0.2": Series("0.2", 4, line="dashdot"),
-        "0.4": Series("0.4", 1, line="long dashed"),
+        "0.4": Series("0.4", 1, line="dashdot", beside=45, side="left"),
     }
     sheet.draw(spin, spins)
     sheet.legend(spin, "lower left", r"$r\omega/v$ before impact")

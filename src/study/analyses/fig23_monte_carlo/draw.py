@@ -8,8 +8,8 @@ from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, TWO_STAGES, Fig
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def slopes_raise_the_mean(y: Curves) -> Stated:

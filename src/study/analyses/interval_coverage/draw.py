@@ -16,8 +16,8 @@ from study.figures.declaration import (
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def unseen_rebounds_bias_the_mean(y: Curves) -> Stated:

@@ -5,24 +5,29 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, Series, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
-    from study.tables import Curves
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def partial_slip_is_followed(y: Curves) -> Stated:
     """Below the slip that friction just stops, Mindlin is nearest by at least a factor of two."""
-    measured = pd.concat([y(f"measured: Kharaz et al. 2001, reading {r}", "contact point") for r in "AB"])
+    import pandas as pd
+
+    measured = pd.concat(
+        [y(f"measured: Kharaz et al. 2001, reading {r}", "contact point") for r in "AB"]
+    )
     sticks = measured[measured.index < 1.0]
     rms = {}
     for law in ("mindlin", "rigid", "spring"):
         curve = y(law, "contact point")
-        rms[law] = float(np.sqrt(np.mean((sticks - np.interp(sticks.index, curve.index, curve)) ** 2)))
+        rms[law] = float(
+            np.sqrt(np.mean((sticks - np.interp(sticks.index, curve.index, curve)) ** 2))
+        )
     others = min(rms["rigid"], rms["spring"])
     return stated(2.0 * rms["mindlin"] < others, mindlin=rms["mindlin"], others=others)
 

@@ -10,12 +10,12 @@ import numpy as np
 from study.figures.declaration import TWO_STAGES, Figure, stated
 
 if TYPE_CHECKING:
-    from study.figures.declaration import Stated
-    from study.tables import Curves
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from study.figures.declaration import Stated
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 FACTORS = ("$K$", "$w_A$", "$r$", r"$\zeta_A$", r"$\zeta_H$")
 INDICES: dict[str, dict[str, Any]] = {

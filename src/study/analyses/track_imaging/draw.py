@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from study.figures.declaration import Figure, Series, stated
 
 if TYPE_CHECKING:
-    from study.figures.declaration import Stated
-    from study.tables import Curves
     import numpy as np
     import pandas as pd
 
+    from study.figures.declaration import Stated
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 
 def one_frame_shows_both_legs(y: Curves) -> Stated:
