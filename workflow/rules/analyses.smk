@@ -109,7 +109,7 @@ use rule analysis as fig18_21_oblique_impact with:
 use rule analysis as fig20_force_history with:
     """data/fig20.csv: normal force and its terms (Eq. 25), tables/force_ratios.csv: peaks of the normal force and of its terms."""
     input:
-        **tables("calibration", "posterior_contacts"),
+        **tables("calibration"),
     output:
         **tables("force_ratios"),
         **data("fig20"),

@@ -57,7 +57,8 @@ class Series:
 
     Marks of virtual experiments have the shape `mark`, printed values are diamonds. A curve that
     has a place `beside` it, an abscissa, is named there and not in the legend, as is one whose
-    label begins with an underscore. Of a `band` only the bounds are drawn.
+    label begins with an underscore. Of a `band` only the bounds are drawn. A `thin` curve is second
+    to the one of its colour and dashes.
     """
 
     label: str
@@ -65,9 +66,10 @@ class Series:
     line: Line = "solid"
     open: bool = False
     band: bool = False
+    thin: bool = False
     beside: float | None = None
     mark: Mark = "circle"
-    side: Literal["above", "below", "right"] = "above"
+    side: Literal["above", "below", "right", "left"] = "above"
 
 
 # Laws of contact of steel on silicon: bands of posterior contacts, then the single contacts.
@@ -76,7 +78,7 @@ STEEL_LAWS = {
     "ring force, n = 0": Series("ring force, $n$ = 0", 2, line="dashed"),
     "JKR, viscous": Series("JKR, viscous", 1, line="dashdot"),
     "steel-silicon, n = 0": Series("two stages, $n$ = 0", 6, line="dotted"),
-    "steel-silicon, n = 1": Series("two stages, $n$ = 1", 6, line="loose dashed"),
+    "steel-silicon, n = 1": Series("two stages, $n$ = 1", 6, thin=True),
 }
 
 Draw = Callable[["Sheet"], None]

@@ -33,15 +33,6 @@ from study.figures.declaration import Series
 from study.tables import POINTS, Tables, points_parts
 
 # Kinds of lines by name: as many as a panel has curves.
-LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
-    "solid": "solid",
-    "dashed": "dashed",
-    "dotted": "dotted",
-    "dashdot": "dashdot",
-    "long dashed": (0, (6.0, 1.5)),
-    "dashdotdot": (0, (4.5, 1.2, 1.0, 1.2, 1.0, 1.2)),
-    "loose dashed": (0, (3.0, 3.0)),
-}
 TINT: dict[str, Any] = {"alpha": 0.25}
 GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
 HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
@@ -53,6 +44,7 @@ SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
     "above": ((0.0, 2.5), "center", "bottom"),
     "below": ((0.0, -2.5), "center", "top"),
     "right": ((5.0, 0.0), "left", "center"),
+    "left": ((-5.0, 0.0), "right", "center"),
 }
 
 # In ends of the axis: a point beyond has another unit.
@@ -88,7 +80,7 @@ EVIDENCE: dict[str, dict[str, Any]] = {
     "virtual experiment": {"linestyle": "none", "marker": "o", "markerfacecolor": "0.75"},
     "digitised": {"linestyle": "none", "marker": "x", **HEAVY},
     "measured": {"linestyle": "none", "marker": "o", **HEAVY},
-    "assumed": {"linestyle": "none", "marker": "+"},
+    "assumed": {"linestyle": "none", "marker": "+", "markersize": 7.0, "markeredgewidth": 1.2},
 }
 EVIDENCE_LABEL = {
     "printed": "printed in the article",
@@ -244,9 +236,10 @@ class Sheet:
         names += [s for s in present if s not in series]
         is_simulated = rows["evidence"] == "virtual experiment"
         rows = pd.concat([rows[~is_simulated], _apart(rows[is_simulated], names, apart)])
+        colours: dict[str, str] = {}
         for number, each in enumerate(names):
             spec = series.get(each, Series(self.fill(each)))
-            colour = f"C{number if spec.colour is None else spec.colour}"
+            colours[each] = colour = f"C{number if spec.colour is None else spec.colour}"
             curve = rows[rows["series"] == each]
             label: str | None = spec.label if spec.beside is None else f"_{spec.label}"
             for evidence, part in curve.groupby("evidence", sort=False):
@@ -258,7 +251,7 @@ class Sheet:
             if spec.beside is not None:
                 _name_beside(ax, curve, spec, colour)
         if fixed:
-            _write_above(ax, rows[rows["evidence"] == "virtual experiment"])
+            _write_above(ax, rows[rows["evidence"] == "virtual experiment"], colours)
         self._drawn.append(ax)
 
     def overlay(
@@ -489,7 +482,9 @@ def _draw_series(
     look = {"zorder": 3, **(mark or EVIDENCE[evidence]), "color": colour}
     is_line = look["linestyle"] != "none"
     if is_line:
-        look["linestyle"] = LINES[spec.line]
+        look["linestyle"] = spec.line
+        if spec.thin:
+            look["linewidth"] = GUIDE["linewidth"]
     elif spec.open and evidence not in POINTS:
         look["markerfacecolor"] = "white"
     elif evidence == "virtual experiment":
@@ -536,24 +531,25 @@ def _draw_band(
         low, high = bounds
         ax.fill_between(x, low, high, linewidth=0, label=label, **look, **fill)
     for end, words in zip(bounds, (None if is_filled else label, None), strict=True):
-        ax.plot(x, end, linewidth=0.6, linestyle=LINES[spec.line], label=words, **look)
+        ax.plot(x, end, linewidth=0.6, linestyle=spec.line, label=words, **look)
 
 
-def _write_above(ax: Axes, rows: pd.DataFrame) -> None:
-    """Write values that lie above an axis at its upper edge, at their abscissae."""
+def _write_above(ax: Axes, rows: pd.DataFrame, colours: Mapping[str, str]) -> None:
+    """Write values that lie above an axis at its upper edge, in the colours of their series."""
     x, y = rows.columns[3:5]
-    for at, points in rows[rows[y] > ax.get_ylim()[1]].groupby(x):
-        words = ", ".join(f"{value:.1f}" for value in sorted(points[y]))
-        ax.annotate(
-            f"{words} ↑",
-            (float(str(at)), 0.97),
-            xycoords=ax.get_xaxis_transform(),
-            rotation=90,
-            ha="center",
-            va="top",
-            fontsize="small",
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
-        )
+    for name, points in rows[rows[y] > ax.get_ylim()[1]].groupby("series"):
+        for at, value in zip(points[x], points[y], strict=True):
+            ax.annotate(
+                f"{value:.1f} ↑",
+                (at, 0.97),
+                xycoords=ax.get_xaxis_transform(),
+                rotation=90,
+                ha="center",
+                va="top",
+                fontsize="small",
+                color=colours[str(name)],
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+            )
 
 
 def _tick(value: float) -> str:

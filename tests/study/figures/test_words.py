@@ -39,7 +39,7 @@ BRANCHES = {name: renamed(branch) for name, branch in SETTINGS.branches.items()}
 def test_words_of_another_pair_leave_none_of_the_old(name):
     branch = BRANCHES[FIGURES[name].analysis]
     figure = FIGURES[name].filled(branch, PAIRS, changed=True)
-    words = [figure.title, figure.caption, figure.method]
+    words = [figure.title, figure.finding, figure.caption, figure.method]
     words += [*figure.tables.values(), *figure.panels.values()]
     with context():
         sheet = drawn(figure, branch, PAIRS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from study.figures.declaration import (
     NORMAL_SPEED,
@@ -48,7 +48,8 @@ def two_numbers_leave_a_range(y: Curves) -> Stated:
     method="""
         n is the rate exponent of the adhesion damping, whose coefficient falls with the impact
         speed as v^-n. The plateau is above [[two_stage.flat_from_m_per_s:.2f]] m/s. Curves
-        begin where a solution exists.
+        begin where a solution exists. The target of e is printed for oblique impact and taken
+        for normal impact.
     """,
     contact=TWO_STAGES,
     tables={
@@ -65,19 +66,21 @@ def draw_ridge(sheet: Sheet) -> None:
     ridge.set(xscale="log", xlim=(0.04, 6.0), xlabel=WORK_OF_ADHESION)
     ridge.set(ylim=(0.0, 0.15), ylabel=largest)
     sheet.ticks(ridge.xaxis, (1,), decades=True)
-    exponents = {
-        "n = 0": Series("$n$ = 0", 0),
-        "n = 0.5": Series("$n$ = 0.5", 2, line="dashdot"),
-        "n = 1": Series("$n$ = 1", 1, line="dashed"),
-        "criterion": Series("criterion", 6, line="dotted"),
-    }
-    sheet.draw(ridge, exponents)
+    for name, marker, colour in (
+        ("n = 0", "o", "C0"),
+        ("n = 0.5", "^", "C2"),
+        ("n = 1", "s", "C1"),
+    ):
+        rows = sheet.take(ridge, name)
+        look: dict[str, Any] = {"marker": marker, "color": colour, "linewidth": 0.6}
+        ridge.plot(rows.iloc[:, 3], rows.iloc[:, 4], label=sheet.fill(name), **look)
+    sheet.draw(ridge, {"criterion": Series("criterion", 6, line="dotted")})
     sheet.legend(ridge, "upper right")
     curves.set(xlim=(0.0, 3.2), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
     members = {
         "steel-silicon, n = 0": Series("n = 0", 0),
         "steel-silicon, n = 1": Series("n = 1", 1, line="dashed"),
-        "targets": Series("targets ($e$ printed for oblique impact)", 6),
+        "targets": Series("_targets", 6),
     }
     sheet.draw(curves, members)
     sheet.legend(curves, "lower right")

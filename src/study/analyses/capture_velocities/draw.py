@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from study.figures.declaration import CAPTURE_VELOCITY, TWO_STAGES, Figure, Series, stated
 
 if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
     from study.figures.declaration import Stated
     from study.figures.style import Sheet
     from study.tables import Curves
@@ -17,8 +20,8 @@ LAWS = {
     "model": Series("this model", 0),
     "jkr": Series("JKR, quasi-static", 2, line="dashed"),
     "dahneke_1971": Series("Dahneke 1971", 3, line="dashdot"),
-    "brach_dunn_1992": Series("Brach and Dunn 1992 (deposition codes)", 1, line="long dashed"),
-    "thornton_ning_yield": Series("onset of yield, where a strength is declared", 6, line="dotted"),
+    "brach_dunn_1992": Series("Brach and Dunn 1992 (deposition codes)", 1, line="dotted"),
+    "thornton_ning_yield": Series("onset of yield, where a strength is declared", 6, thin=True),
     "printed": Series("printed capture velocity", 6),
 }
 
@@ -91,4 +94,14 @@ def draw_capture_laws(sheet: Sheet) -> None:
     for ax in axes:
         ax.set(xlim=(1.0, 125.0), ylim=(0.0001, 50.0))
         sheet.draw(ax, LAWS)
+        _say_captured(ax, table)
     sheet.keys()
+
+
+def _say_captured(ax: Axes, table: pd.DataFrame) -> None:
+    """Write beside the end of this model's curve that smaller spheres never rebound."""
+    rows = table[(table["panel"] == ax.get_label()) & (table["series"] == "model")]
+    end, low = rows.iloc[:, 3].min(), ax.get_xlim()[0]
+    if end > 3.0 * low:
+        look: dict[str, Any] = {"ha": "right", "va": "center", "fontsize": "small"}
+        ax.text(0.9 * end, 16.0, "captured at any speed", **look)

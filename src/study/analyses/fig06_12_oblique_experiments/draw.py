@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,7 +31,7 @@ IMAGED = """
     Particles are dropped on the tilted target, imaged by a virtual light sheet and
     camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
     [[stop.events]] events. Smooth curves are of the mean size, without spread or
-    instrument; two contacts that are the same give one curve. Black, dashed: the rigid
+    instrument; front and back of one contact share their curve. Black, dashed: the rigid
     body model with Coulomb friction of the same coefficient. Off-scale means are given
     at the top. There is no mark at 90°, where both tracks coincide, and none where
     fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
@@ -46,7 +46,7 @@ SPINNING = """
 """
 
 FAST, MIDDLE, SLOW = (
-    f"class {speed}, at [[series.{speed}.speed_m_per_s:.2f]]"
+    f"class of {speed}, at [[series.{speed}.speed_m_per_s:.2f]]"
     for speed in ("1.60 m/s", "1.05 m/s", "0.45 m/s")
 )
 CLASSES = {
@@ -63,7 +63,7 @@ CLASSES = {
     "1.05 m/s, smooth": Series(MIDDLE, 1, line="dotted"),
     "0.45 m/s, smooth": Series(SLOW, 2, line="dashdot"),
     "0.45 m/s, spun, smooth": Series(SLOW, 2, line="dashdot"),
-    "0.45 m/s, all rebounds": Series(f"{SLOW}, all rebounds", 2, line="long dashed"),
+    "0.45 m/s, all rebounds": Series(f"{SLOW}, all rebounds", 2, line="dashed"),
     "printed, 85 deg": Series("printed, fastest class", 0),
     "printed, 25 deg": Series("_printed", 0),
     "Coulomb friction": Series("Coulomb friction, no spin", 6, line="dashed"),
@@ -92,8 +92,8 @@ def faces(surface: str) -> dict[str, Series]:
     front, back = f"{surface} front", f"{surface} back"
     return {
         **compared(
-            (front, f"front of [[series.{front}.case.surface]]", 0),
-            (back, f"back of [[series.{back}.case.surface]]", 1),
+            (front, "front", 0),
+            (back, "back", 1),
         ),
         f"{back}, all rebounds": Series("back, all rebounds", 1, line="dashed"),
     }
@@ -108,13 +108,22 @@ def particles(spore: str, steel: str) -> dict[str, Series]:
 
 
 def draw_coefficients(
-    sheet: Sheet, series: Mapping[str, Series], highest: tuple[float, float] = (1.6, 0.4)
+    sheet: Sheet,
+    series: Mapping[str, Series],
+    highest_ratio: float = 0.4,
+    printed_range: str = "",
 ) -> None:
-    """Draw restitution and impulse ratio, up to the highest that fit, and energy loss."""
-    e, ratio = highest
-    ends = (0.0, e), (-0.1, ratio), (0.0, 0.8)
+    """Draw restitution on a logarithmic axis, impulse ratio up to the highest, and energy loss."""
+    limits = (0.3, 6.0), (-0.1, highest_ratio), (0.0, 0.8)
     words = RESTITUTION, IMPULSE_RATIO, ENERGY_LOSS
-    for ax, ylim, ylabel in zip(sheet.panels(**OVER_ANGLE), ends, words, strict=True):
+    axes = sheet.panels(**OVER_ANGLE)
+    axes[0].set_yscale("log")
+    sheet.ticks(axes[0].yaxis, (0.3, 0.5, 1.0, 2.0, 4.0))
+    if printed_range:
+        ends = sheet.take(axes[0], printed_range).iloc[:, 4]
+        look: dict[str, Any] = {"color": "C0", "alpha": 0.12, "linewidth": 0, "zorder": 0}
+        axes[0].axhspan(ends.min(), ends.max(), label="printed range, front", **look)
+    for ax, ylim, ylabel in zip(axes, limits, words, strict=True):
         ax.set(ylim=ylim, ylabel=ylabel)
         sheet.draw(ax, series, fixed=True)
     sheet.keys()
@@ -162,7 +171,7 @@ def roughness_alone_raises(y: Curves) -> Stated:
         The front of the wafer is polished, the back lapped, with assumed slopes of
         [[series.silicon back.surface_slope:.2f]] rad per axis; contacts
         [[series.silicon front.case]] and [[series.silicon back.case]]. Diamonds: values printed
-        in the article.
+        in the article, in pairs where it prints a range.
     """,
     contact=TWO_STAGES,
     tables={
@@ -214,16 +223,15 @@ def faces_differ(y: Curves) -> Stated:
     method=IMAGED,
     as_shipped="""
         The slopes of the back, [[series.mirror back.surface_slope:.2f]] rad per axis, are
-        assumed; contacts [[series.mirror front.case]] and [[series.mirror back.case]].
-        Diamonds: ends of the range printed for the mirror; of the back the article prints only
-        that e is lower.
+        assumed, and so is its lower restitution; contacts [[series.mirror front.case]] and
+        [[series.mirror back.case]]. Shaded: the range printed for the front of the mirror, at all
+        angles; of the back the article prints only that e is lower.
     """,
     evidence_labels=SMOOTH,
 )
 def draw_fig07(sheet: Sheet) -> None:
     """Both faces of the mirror."""
-    printed = {"printed, front": Series("front", 0, beside=65)}
-    draw_coefficients(sheet, faces("mirror") | printed)
+    draw_coefficients(sheet, faces("mirror"), printed_range="printed, front")
 
 
 def restitution_falls_with_speed(y: Curves) -> Stated:
@@ -258,10 +266,10 @@ def restitution_falls_with_speed(y: Curves) -> Stated:
     holds=restitution_falls_with_speed,
     method=SPINNING,
     as_shipped="""
-        Each class of speed is named by the middle of the range that is printed for it. In the
-        slowest class, and at steep angles, the camera misses more than half of the rebounds,
-        mainly the slow ones; the measured means are therefore too high. Diamonds: values
-        printed in the article.
+        Each class of speed is named by the middle of the range that is printed for it. The
+        article calls the fall between the classes slight. In the slowest class the camera misses
+        more than half of the rebounds at steep angles, mainly the slow ones, so that the measured
+        means are slightly too high. Diamonds: values printed in the article.
     """,
     contact=TWO_STAGES,
     evidence_labels=NO_SPIN,
@@ -304,8 +312,9 @@ def spin_lowers_adhesion_raises(y: Curves) -> Stated:
     holds=spin_lowers_adhesion_raises,
     method=SPINNING,
     as_shipped="""
-        Each class of speed is named by the middle of the range that is printed for it.
-        Diamonds: ends of the printed plateau.
+        Each class of speed is named by the middle of the range that is printed for it. The
+        article finds the ratio at or below zero at shallow angles, not at steep ones; no spin
+        that is the same at all angles gives that. Diamonds: ends of the printed plateau.
     """,
     contact=TWO_STAGES,
     evidence_labels=NO_SPIN,
@@ -352,7 +361,7 @@ def draw_fig10(sheet: Sheet) -> None:
 
 def spores_rise_and_do_not_fall(y: Curves) -> Stated:
     """Only spores exceed one; from one printed angle to the other they fall by less than half."""
-    spore, steel = (y(name, "restitution") for name in ("spore on silicon", "silicon front"))
+    spore, steel = (y(name, "restitution") for name in ("spore on silicon", "steel on silicon"))
     high, low = (y(f"printed, spore, {angle} deg") for angle in (48, 38))
     ends = high.index[0], low.index[0]
     upper, lower = np.interp(ends, spore.index, spore)
@@ -402,7 +411,7 @@ def draw_fig11(sheet: Sheet) -> None:
             f"[[series.{spore}.case.particle]], all rebounds", 1, line="dashed"
         ),
         "printed, spore, 48 deg": Series("_printed", 1),
-        "printed, spore, 38 deg": Series("_printed", 1),
+        "printed, spore, 38 deg": Series("printed", 1, beside=38, side="below"),
     }
     draw_coefficients(sheet, particles(spore, "steel on silicon") | more)
 
@@ -456,5 +465,4 @@ def draw_fig12(sheet: Sheet) -> None:
         ),
         "printed, exceeded below": Series("_printed", 0),
     }
-    draw_coefficients(sheet, particles(spore, steel) | more, highest=(2.0, 0.6))
-    sheet.figure.axes[0].set_yticks((0.0, 0.5, 1.0, 1.5, 2.0))
+    draw_coefficients(sheet, particles(spore, steel) | more, highest_ratio=0.6)

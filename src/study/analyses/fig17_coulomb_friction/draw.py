@@ -64,7 +64,7 @@ def draw_fig17(sheet: Sheet) -> None:
         "-0.2": Series("$-$0.2", 5, line="dotted"),
         "0": Series("0", 2),
         "0.2": Series("0.2", 4, line="dashdot"),
-        "0.4": Series("0.4", 1, line="long dashed"),
+        "0.4": Series("0.4", 1, line="dashdot", beside=45, side="left"),
     }
     sheet.draw(spin, spins)
     sheet.legend(spin, "lower left", r"$r\omega/v$ before impact")

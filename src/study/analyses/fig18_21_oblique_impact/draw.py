@@ -65,7 +65,7 @@ def draw_fig18(sheet: Sheet) -> None:
         "rigid body": Series("rigid body model", 1, line="dashed"),
         "virtual experiment": Series("virtual experiment", 6),
         "printed plateau": Series("ends of the printed plateau", 6),
-        "posterior": Series("drawn contacts, 5 to 95 %", 0, band=True),
+        "posterior": Series("posterior contacts, 5 to 95 %", 0, band=True),
     }
     forces = {
         "compressive": Series("compressive part of the normal force", 0),
@@ -125,7 +125,7 @@ def draw_fig21(sheet: Sheet) -> None:
         "total": Series("all kinetic energy", 0),
         "translational": Series("translational energy alone", 1, line="dashed"),
         "virtual experiment": Series("virtual experiment", 6),
-        "posterior": Series("drawn contacts, 5 to 95 %", 1, line="dotted", band=True),
+        "posterior": Series("posterior contacts, 5 to 95 %", 1, line="dotted", band=True),
     }
     sheet.captured(ax, "capture")
     sheet.draw(ax, losses)

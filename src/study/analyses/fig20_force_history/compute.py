@@ -4,24 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import Trajectory, trajectory
-from study.contacts import (
-    BAND,
-    Posterior,
-    calibrated_contact,
-    fitted_to,
-    pair_of,
-    posterior_beside,
-    printed_beside,
-)
+from study.contacts import calibrated_contact, fitted_to, pair_of, printed_beside
 from study.declared.parameters import AngleDegrees, CaseName, Points, Positive
 from study.tables import Tables, result_evidence, series_frame
 
@@ -33,11 +23,9 @@ TERMS = {
     "hertz damping": "hertz_damping_force",
 }
 
-NEEDS = {"calibration": ("calibration",), "inference": ("posterior_contacts",)}
+NEEDS = {"calibration": ("calibration",)}
 # Ratios of peaks. The damping is fitted to the second.
 PRINTED_VALUES = ("peak_adhesion_over_peak_hertz", "peak_adhesion_dissipation_over_adhesion")
-# Points in time of the band.
-INSTANTS = 200
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,8 +37,6 @@ class Params:
     speed_m_per_s: Positive
     angle_deg: AngleDegrees
     points: Points
-    posterior: Posterior
-    band_contacts: Annotated[int, Field(ge=10)]  # At most so many of those drawn
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -68,7 +54,6 @@ def run(params: Params, inputs: Tables) -> Tables:
     frames = [
         frame(series, path.time * 1e9, getattr(path, name) * 1e6) for series, name in TERMS.items()
     ]
-    frames.append(posterior_band(params, inputs))
     outcome = simulate(contact, params.speed_m_per_s, params.angle_deg)
     numbers = peak_ratios(path) | {
         ("contact_time", "ns"): float(outcome.contact_time) * 1e9,
@@ -96,27 +81,6 @@ def run(params: Params, inputs: Tables) -> Tables:
         for (quantity, unit), value in numbers.items()
     )
     return {"fig20": pd.concat(frames, ignore_index=True), "force_ratios": table}
-
-
-def posterior_band(params: Params, inputs: Tables) -> pd.DataFrame:
-    """Return the band of the normal force over the contacts drawn, if they are of the pair.
-
-    The force is zero after the end of a contact.
-    """
-    diameter = params.diameter_um * 1e-6
-    band_contacts = posterior_beside(inputs, params.posterior, params.case, diameter)
-    contacts = [one.at(place) for one in band_contacts.values() for place in np.ndindex(one.shape)]
-    if not contacts:
-        return pd.DataFrame()
-    at, points = (params.speed_m_per_s, params.angle_deg), INSTANTS
-    count = min(params.band_contacts, len(contacts))
-    chosen = np.linspace(0, len(contacts) - 1, count).astype(int)
-    paths = [trajectory(contacts[i], *at, points=points) for i in chosen]
-    time = np.linspace(0.0, max(path.time[-1] for path in paths), points)
-    forces = [np.interp(time, path.time, path.normal_force, right=0.0) for path in paths]
-    low, middle, high = np.quantile(forces, BAND, axis=0) * 1e6
-    look = {"evidence": "calibrated", "x_unit": "ns", "y_unit": "uN", "y_low": low, "y_high": high}
-    return series_frame("force", "posterior", time * 1e9, middle, **look)
 
 
 def peak_ratios(path: Trajectory) -> dict[tuple[str, str], float]:

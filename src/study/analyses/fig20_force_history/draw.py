@@ -45,8 +45,7 @@ def attracts_at_both_ends(y: Curves) -> Stated:
     method="Contact [[case]].",
     as_shipped="""
         The adhesion damping is calibrated to the printed ratio of dissipative to total adhesion
-        (1/5); the damping of the Hertz force is zero by choice. Shaded: 5 to 95 % of the net
-        forces of contacts consistent with the printed statements.
+        (1/5); the damping of the Hertz force is zero by choice.
     """,
 )
 def draw_fig20(sheet: Sheet) -> None:
@@ -59,8 +58,7 @@ def draw_fig20(sheet: Sheet) -> None:
         "hertz": Series("Hertz force", 0, line="dashed"),
         "adhesion": Series("adhesion", 1, line="dashdot"),
         "adhesion damping": Series("damping of adhesion", 3, line="dotted"),
-        "hertz damping": Series("damping of Hertz force", 2, line="long dashed"),
-        "posterior": Series("net force of drawn contacts, 5 to 95 %", 6, band=True),
+        "hertz damping": Series("damping of Hertz force", 2, thin=True),
     }
     for ax in (force, dips):
         sheet.level(ax, 0.0)

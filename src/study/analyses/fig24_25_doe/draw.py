@@ -85,9 +85,8 @@ def nearly_a_power_law(y: Curves) -> Stated:
         Fraction [[generator]] of a two-level design about [[drawn_case]]. Labelled in (a) are
         the factors, the interactions as large as one of A to D, and all beyond Lenth's margin;
         of a sum of effects, as A+BD, the fraction does not tell the parts. The responses are
-        deterministic: Lenth's margins only separate large effects from small ones; the
-        simultaneous margin is the one for all effects at once. Margins are for the exact
-        capture velocity.
+        without noise, so Lenth's margins are a guide to size, not a test; the simultaneous margin
+        allows for all effects at once. Margins are for the exact capture velocity.
     """,
     as_shipped="""
         The interactions nearly vanish for the logarithm. D exceeds B here; the article names C
@@ -161,6 +160,9 @@ def _draw_effects(sheet: Sheet, effects: tuple[float, float], sizes: tuple[float
     half_normal.set(
         xlim=sizes, ylim=(-0.1, 2.4), xlabel="Size of effect (%)", ylabel="Half-normal quantile"
     )
+    half_normal.set_xticks([tick for tick in half_normal.get_xticks() if tick >= 0.0])
+    half_normal.set_xticks([], minor=True)
+    half_normal.set_xlim(sizes)
     (table,) = sheet.tables.values()
     parts = table["series"].str.split(": ", n=1, expand=True)
     word = parts[1].str.split(r"[+-]", regex=True).str[0]
@@ -210,8 +212,12 @@ def _draw_panel(ax: Axes, rows: pd.DataFrame, looks: Mapping[str, Series], *, ha
             size = points[x].abs()
             least = size[points["word"].isin(MATTERING)].min()
             worth = points["word"].isin(NAMED if half else FACTORS) | (size >= min(limit, least))
-            leftward = response != main
-            _label(ax, points[worth], (x, y), colour, outward=not half, leftward=leftward)
+            # To the side where the other response is not.
+            others = shown[~is_margin & (shown["response"] != response)]
+            other = others.drop_duplicates("label").set_index("label")[x].abs()
+            leftward = points[x].abs() < points["label"].map(other)
+            left = leftward if half else points[x] < 0.0
+            _label(ax, points[worth].assign(left=left), (x, y), colour, wide=half)
 
 
 def _label(
@@ -220,14 +226,12 @@ def _label(
     columns: tuple[str, str],
     colour: str,
     *,
-    outward: bool,
-    leftward: bool,
+    wide: bool,
 ) -> None:
-    """Write the effects beside their points: away from zero, or all to one side."""
+    """Write the effects beside their points, to the side that column ``left`` says."""
     x, y = columns
-    gap = LABEL_GAP if outward else LABEL_GAP + 1.5
-    for label, effect, height in zip(points["label"], points[x], points[y], strict=True):
-        left = effect < 0.0 if outward else leftward
+    gap = LABEL_GAP + 1.5 * wide
+    for label, effect, height, left in points[["label", x, y, "left"]].itertuples(index=False):
         ax.annotate(
             label,
             (effect, height),

@@ -276,9 +276,7 @@ def draw_posterior_bands(sheet: Sheet) -> None:
         "ring force": Series("ring force, $n$ from 0 to 2", 0),
         "fluorescein-molybdenum, least": Series("force ratios, least $v_c$", 6, line="dotted"),
         "fluorescein-molybdenum, nominal": Series("force ratios, nominal", 6, line="dashed"),
-        "fluorescein-molybdenum, greatest": Series(
-            "force ratios, greatest $v_c$", 6, line="long dashed"
-        ),
+        "fluorescein-molybdenum, greatest": Series("force ratios, greatest $v_c$", 6, thin=True),
     }
     axes = sheet.panels(xscale="log", ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
     for ax in axes[:2]:

@@ -88,13 +88,13 @@ def draw_causes(sheet: Sheet) -> None:
 
     spins = {
         "mean 0, sd 0": Series("none", 6),
-        "mean 0, sd 0.25": Series("mean 0, sd 0.25", 1, line="dashed"),
-        "mean 0, sd 0.5": Series("mean 0, sd 0.5", 1, line="dashdot"),
-        "mean 0, sd 1": Series("mean 0, sd 1", 1, line="long dashed"),
-        "mean 0.25, sd 0.1": Series("mean 0.25", 2, line="dashdotdot"),
-        "mean 0.5, sd 0.1": Series("mean 0.5", 2, line="dotted"),
+        "mean 0, sd 0.5": Series("mean 0, sd 0.5", 1, line="dashed"),
+        "mean 0, sd 1": Series("mean 0, sd 1", 1, line="dotted"),
+        "mean 0.25, sd 0.1": Series("mean 0.25", 2, line="dashdot"),
         "mean 0.9, sd 0.1": Series("mean 0.9", 2, side="below", beside=60),
     }
+    for between in ("mean 0, sd 0.25", "mean 0.5, sd 0.1"):  # In the table
+        sheet.take(spin, between)
     sheet.draw(spin, spins)
     sheet.legend(spin, "lower left", r"spin $r\omega/v$")
 
@@ -123,7 +123,7 @@ def draw_causes(sheet: Sheet) -> None:
     causes = {
         "adhesion, fast": Series(f"adhesion, {fast}", 0),
         "adhesion, slow": Series(f"adhesion, {slow}", 4, line="dashed"),
-        "slopes, fast": Series(f"slopes, {fast}", 2, line="long dashed"),
+        "slopes, fast": Series(f"slopes, {fast}", 2, line="dashdot"),
         "slopes, slow": Series(f"slopes, {slow}", 3, line="dotted"),
     }
     sheet.draw(shallow, causes)

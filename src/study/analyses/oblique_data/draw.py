@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, Series, stated
 
@@ -17,6 +16,8 @@ if TYPE_CHECKING:
 
 def partial_slip_is_followed(y: Curves) -> Stated:
     """Below the slip that friction just stops, Mindlin is nearest by at least a factor of two."""
+    import pandas as pd
+
     measured = pd.concat(
         [y(f"measured: Kharaz et al. 2001, reading {r}", "contact point") for r in "AB"]
     )

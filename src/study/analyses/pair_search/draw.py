@@ -41,9 +41,9 @@ def printed_correction_is_biased(y: Curves) -> Stated:
     """,
     {
         "stream": "stretch of a stream",
-        "precision": "precision of the pairs",
-        "recall": "found, of recorded pairs",
-        "seen": "found, of rebounds",
+        "precision": "accepted pairs that are true",
+        "recall": "recorded pairs that are found",
+        "seen": "rebounds that are found",
         "correction": "bias of the correction",
     },
     data=("doppler_stream", "pairing_curves", "correction_curves"),
@@ -72,8 +72,8 @@ def printed_correction_is_biased(y: Curves) -> Stated:
 def draw_doppler_pairs(sheet: Sheet) -> None:
     """A stretch of the stream with its pairs as lines, and curves against speed."""
     stream, precision, recall, seen, correction = sheet.panels()
-    stream.set(xlim=(0.0, 100.0), xlabel="Time (ms)")
-    stream.set(ylim=(-0.9, 2.2), ylabel="Vertical velocity (m/s)")
+    stream.set(xlim=(0.0, 75.0), xlabel="Time (ms)")
+    stream.set(ylim=(-0.9, 1.2), ylabel="Vertical velocity (m/s)")
     for number, (_, pair) in enumerate(sheet.take(stream, "pair").groupby("series")):
         label = "_pair" if number else "accepted pair"
         time, velocity = pair.iloc[:, 3], pair.iloc[:, 4]
@@ -90,25 +90,25 @@ def draw_doppler_pairs(sheet: Sheet) -> None:
         "h = 2 mm": Series("$h$ = 2 mm", 4, mark="triangle"),
         "h = 5 mm": Series("$h$ = 5 mm", 3),
     }
-    for ax, share in ((precision, "Precision"), (recall, "Recall"), (seen, "Share found")):
+    for ax, share in ((precision, "Share true"), (recall, "Share found"), (seen, "Share found")):
         ax.set(xscale="log", xlim=(0.25, 2.0), xlabel=NOMINAL_SPEED)
         ax.set(ylim=(0.0, 1.05), ylabel=share)
-        sheet.ticks(ax.xaxis, (0.3, 0.4, 0.5, 0.75, 1.66))
+        sheet.ticks(ax.xaxis, (0.3, 0.5, 0.75, 1.66))
         sheet.draw(ax, heights, apart=1.06)
     correction.set(xscale="log", xlim=(0.15, 6.0), xlabel=NORMAL_SPEED)
     correction.set(ylim=(-0.14, 0.08), ylabel="Bias of $e$")
     sheet.ticks(correction.xaxis, (0.2, 0.5, 1.0, 2.0, 5.0))
     corrections = {
-        "closed form, e = 0.4": Series("$e$ = 0.4", 0),
-        "closed form, e = 0.7": Series("$e$ = 0.7", 1, line="dashed"),
-        "closed form, e = 0.9": Series("$e$ = 0.9", 2, line="dashdot"),
-        "printed, e = 0.4": Series("$e$ = 0.4", 0),
-        "printed, e = 0.7": Series("$e$ = 0.7", 1, mark="square"),
-        "printed, e = 0.9": Series("$e$ = 0.9", 2, mark="triangle"),
-        "exact, e = 0.4": Series("exactly, any $e$", 6, open=True),
+        "closed form, e = 0.4": Series("printed, $e$ = 0.4", 0),
+        "closed form, e = 0.7": Series("printed, $e$ = 0.7", 1, line="dashed"),
+        "closed form, e = 0.9": Series("printed, $e$ = 0.9", 2, line="dashdot"),
+        "printed, e = 0.4": Series("printed, $e$ = 0.4", 0),
+        "printed, e = 0.7": Series("printed, $e$ = 0.7", 1, mark="square"),
+        "printed, e = 0.9": Series("printed, $e$ = 0.9", 2, mark="triangle"),
+        "exact, e = 0.4": Series("exact, any $e$", 6, open=True),
         "exact, e = 0.7": Series("_exact", 6, open=True),
         "exact, e = 0.9": Series("_exact", 6, open=True),
     }
     sheet.draw(correction, corrections, fixed=True)
-    sheet.legend(correction, "lower right", "corrected as printed,")
+    sheet.legend(correction, "lower right")
     sheet.keys()

@@ -333,7 +333,6 @@ def _frame(
     evidence: str = "computed",
 ) -> pd.DataFrame:
     y, *ends = (1e9 * np.asarray(of) for of in (force, low, high))
-    panel = "charge" if "charge" in series else "adhesion"
     return series_frame(
-        panel, series, 100.0 * silica, y, evidence, *ends, x_unit="percent", y_unit="nN"
+        "forces", series, 100.0 * silica, y, evidence, *ends, x_unit="percent", y_unit="nN"
     )

@@ -26,11 +26,11 @@ def adhesion_falls_below_patches(y: Curves) -> Stated:
     "Separation force of a charged particle against the silica on it",
     """
         Forces that hold an irregular particle of [[diameter_um:g]] µm on a plane, against the
-        weight of silica on it. (a) JKR adhesion. (b) Image attraction of a uniform charge, and
-        of charged patches. Lines: geometric middles of the declared ranges; bands: all
-        combinations of low, middle and high. Marks: printed by Rimai et al. 2000.
+        weight of silica on it: JKR adhesion, and the image attraction of a uniform charge and of
+        charged patches. Lines: geometric middles of the declared ranges; bands: all combinations
+        of low, middle and high. Marks: printed by Rimai et al. 2000.
     """,
-    {"adhesion": "adhesion", "charge": "attraction of charges"},
+    {"forces": ""},
     data=("separation",),
     finding="""
         From {crossing:.1f} % of nanometre silica on, the adhesion of a particle is less
@@ -38,11 +38,11 @@ def adhesion_falls_below_patches(y: Curves) -> Stated:
     """,
     holds=adhesion_falls_below_patches,
     method="""
-        Beyond the article: the contribution that the same issue of the journal opens with. (a)
-        shows the bare contact and the spherules that carry the rest, with the silica side by
-        side; dotted and dashed are the limits at the middles for silica that falls at random
-        and may overlap, and for three spherules that lift the whole contact. In (b) the patches
-        are as dense as breakdown allows. Marks: what the abstract of Rimai, Quesnel and
+        Beyond the article: the contribution that the same issue of the journal opens with. The
+        adhesion is that of the bare contact and of the spherules that carry the rest, with the
+        silica side by side; dash-dotted and thin are the limits at the middles for silica that falls
+        at random and may overlap, and for three spherules that lift the whole contact. The
+        patches are as dense as breakdown allows. Marks: what the abstract of Rimai, Quesnel and
         Reifenberger (J. Adhesion 74, 2000) states, JKR's force without silica and about 5 % of
         it at [[compared_silica_fraction:.0%]], on the JKR force of this figure; their bars are
         the range of that force.
@@ -60,13 +60,13 @@ def draw_separation(sheet: Sheet) -> None:
     silica = "Silica on the particle (% of weight)"
     forces = {
         "adhesion": Series("adhesion (JKR), middle and range", 0),
-        "adhesion, random": Series("limit: silica at random", 0, line="dotted"),
-        "adhesion, lifted": Series("limit: lifted by three", 0, line="dashed"),
+        "adhesion, random": Series("limit: silica at random", 0, line="dashdot"),
+        "adhesion, lifted": Series("limit: lifted by three", 0, thin=True),
         "stated": Series("abstract, Rimai et al. 2000", 6),
-        "charged patches": Series("charged patches, middle and range", 1, line="dashdot"),
-        "uniform charge": Series("uniform charge, middle and range", 2, line="long dashed"),
+        "charged patches": Series("charged patches, middle and range", 1, line="dotted"),
+        "uniform charge": Series("uniform charge, middle and range", 2, line="dashed"),
     }
-    for ax in sheet.panels(yscale="log", xlabel=silica, ylabel="Force (nN)"):
-        ax.set(xlim=(-0.1, 3.0), ylim=(0.8, 3000.0))
-        sheet.draw(ax, forces)
+    (ax,) = sheet.panels(yscale="log", xlabel=silica, ylabel="Force (nN)")
+    ax.set(xlim=(-0.1, 3.0), ylim=(0.8, 3000.0))
+    sheet.draw(ax, forces)
     sheet.keys()

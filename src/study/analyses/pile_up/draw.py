@@ -57,12 +57,12 @@ def draw_pile_up_onset(sheet: Sheet) -> None:
     contacts = {
         "printed, in the end": Series("printed, in the end", 0),
         "printed, first impact": Series("printed, at first impact", 0),
-        "posterior, in the end": Series("posterior, in the end", 1, mark="square"),
+        "posterior, in the end": Series("posterior, in the end", 1, mark="square", open=True),
         "posterior, first impact": Series("posterior, at first impact", 1, line="dotted"),
-        "lower, in the end": Series(f"{lower}, in the end", 2, open=True),
+        "lower, in the end": Series(f"{lower}, in the end", 2, mark="triangle", open=True),
         "lower, first impact": Series(f"{lower}, at first impact", 2, line="dashed"),
     }
     sheet.piled_up(ax)
     sheet.draw(ax, contacts)
-    sheet.legend(ax, "upper right", "capture velocity; captured")
+    sheet.legend(ax, "upper right", "capture velocity, and which share")
     sheet.keys()

@@ -52,10 +52,14 @@ def draw_rival_restitution(sheet: Sheet) -> None:
     """Curves of both explanations."""
     (ax,) = sheet.panels(xlim=(0.0, 2.0), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
     explanations = {
-        "steel-silicon, n = 0, 75 um": Series("adhesion, $n$ = 0, 75 µm", 0, line="dashed"),
-        "steel-silicon, n = 1, 75 um": Series("adhesion, $n$ = 1, 75 µm", 1, line="long dashed"),
-        "steel-silicon, n = 1, 49 um": Series("adhesion, $n$ = 1, 49 µm", 1, line="dashdot"),
-        "steel-silicon, n = 0, 49 um": Series("adhesion, $n$ = 0, 49 µm", 0),
+        "steel-silicon, n = 0, 75 um": Series(
+            "adhesion, 75 µm, $n$ = 0", 0, line="dashed", beside=1.1
+        ),
+        "steel-silicon, n = 1, 75 um": Series("adhesion, 75 µm, $n$ = 1", 1, line="dashed"),
+        "steel-silicon, n = 1, 49 um": Series("adhesion, 49 µm, $n$ = 1", 1),
+        "steel-silicon, n = 0, 49 um": Series(
+            "adhesion, 49 µm, $n$ = 0", 0, beside=1.5, side="below"
+        ),
         "probe alone": Series("probe alone, any size", 3, line="dotted"),
         "printed, oblique impact": Series("printed for oblique impact", 6),
     }

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, Series, stated
+import numpy as np
+
+from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -12,15 +14,27 @@ if TYPE_CHECKING:
     from study.tables import Curves
 
 
+# Estimates by panel of the data: words, colour and look.
+ESTIMATES: dict[str, tuple[str, str, dict[str, Any]]] = {
+    "bound": ("bound by statics", "C1", {"alpha": 0.4, "linewidth": 0}),
+    "damping": ("damping of the model", "C0", {"alpha": 0.4, "linewidth": 0}),
+    "impact": ("hysteresis", "C2", {"facecolor": "none", "hatch": "//////", "linewidth": 0.6}),
+}
+
+
 def rolling_is_negligible(y: Curves) -> Stated:
     """Both estimates of an impact stay below the limit, the bound above."""
-    contacts = [f"steel-silicon, n = {n}, {v} m/s" for n in (0, 1) for v in ("0.5", "1.66", "5")]
-    curves = {
-        panel: [y(name, panel) for name in contacts] for panel in ("bound", "impact", "damping")
+    of = {
+        panel: [
+            y(f"steel-silicon, n = {n}, {v} m/s", panel)
+            for n in (0, 1)
+            for v in ("0.5", "1.66", "5")
+        ]
+        for panel in ("bound", "impact", "damping")
     }
     limit = y("negligible", "bound").iloc[0]
-    most = max(curve.max() for curve in (*curves["impact"], *curves["damping"]))
-    return stated(most < limit < min(map(min, curves["bound"])), most=100.0 * most)
+    most = max(curve.max() for curve in (*of["impact"], *of["damping"]))
+    return stated(most < limit < min(map(min, of["bound"])), most=100.0 * most)
 
 
 @Figure(
@@ -28,15 +42,11 @@ def rolling_is_negligible(y: Curves) -> Stated:
     "Rolling resistance neglected in an impact",
     """
         Impulse of the rolling moment that the models neglect over that of friction, against the
-        angle of incidence, for [[cases.pair]], [[drawn_diameter_um:g]] µm. (a) Bound by
-        statics. (b) Hysteresis only where one part of the contact closes while another opens.
-        (c) The model's own damping. Below the black, dashed line: negligible.
+        angle of incidence, for [[cases.pair]], [[drawn_diameter_um:g]] µm: a bound by statics;
+        hysteresis where one part of the contact closes while another opens; the model's own
+        damping. Bands: all contacts and speeds. Below the dashed line: negligible.
     """,
-    {
-        "bound": "upper bound (statics)",
-        "impact": "hysteresis in an impact",
-        "damping": "damping of the model",
-    },
+    {"all": ""},
     data=("rolling",),
     equations="25, 27, 29",
     finding="""
@@ -45,29 +55,33 @@ def rolling_is_negligible(y: Curves) -> Stated:
     """,
     holds=rolling_is_negligible,
     method="""
-        (a) All pressure at the leading edge of the contact, all adhesion on its trailing half.
-        (b) Hysteresis of the whole loss of the impact and of the whole adhesion. (c) At each
-        point of the contact. n is the rate exponent of the adhesion damping, whose coefficient
-        falls with the impact speed as v^-n. Curves begin above capture.
+        Statics: all pressure at the leading edge of the contact, all adhesion on its trailing
+        half. Hysteresis: of the whole loss of the impact and of the whole adhesion. Damping: at
+        each point of the contact. Rate exponents 0 and 1 of the adhesion damping, three speeds
+        (table rolling_dissipation); above capture.
     """,
     contact=TWO_STAGES,
     tables={
         "rolling_dissipation": "Moments of rolling over that of friction, by diameter, speed and angle.",
     },
+    width="single",
     height_mm=75.0,
 )
 def draw_rolling(sheet: Sheet) -> None:
-    """Moment of rolling over moment of friction against the angle, by each estimate."""
-    contacts = {
-        "steel-silicon, n = 0, 0.5 m/s": Series("$n$ = 0, 0.5 m/s", 0, line="dotted"),
-        "steel-silicon, n = 1, 0.5 m/s": Series("$n$ = 1, 0.5 m/s", 1, line="dashdotdot"),
-        "steel-silicon, n = 0, 1.66 m/s": Series("$n$ = 0, 1.66 m/s", 0),
-        "steel-silicon, n = 1, 1.66 m/s": Series("$n$ = 1, 1.66 m/s", 1, line="dashed"),
-        "steel-silicon, n = 0, 5 m/s": Series("$n$ = 0, 5 m/s", 0, line="long dashed"),
-        "steel-silicon, n = 1, 5 m/s": Series("$n$ = 1, 5 m/s", 1, line="dashdot"),
-        "negligible": Series("negligible below", 6, line="loose dashed"),
-    }
-    for ax in sheet.panels(**OVER_ANGLE, yscale="log", ylabel="Rolling / friction moment"):
-        ax.set(xticks=(0, 30, 60, 90), ylim=(0.0001, 20.0))
-        sheet.draw(ax, contacts)
-    sheet.keys()
+    """Moment of rolling over that of friction: the range over all contacts and speeds."""
+    (ax,) = sheet.panels(**OVER_ANGLE, yscale="log", ylim=(0.0002, 20.0))
+    ax.set_ylabel("Moment of rolling over that of friction")
+    (table,) = sheet.tables.values()
+    x, y = table.columns[3:5]
+    limit = table.loc[table["series"] == "negligible", y].iloc[0]
+    for panel, (words, colour, look) in ESTIMATES.items():
+        rows = table[(table["panel"] == panel) & (table["series"] != "negligible")]
+        ends = rows.groupby(x)[y].agg(["min", "max"])
+        ax.fill_between(ends.index, *ends.to_numpy().T, color=colour, **look)
+        is_below = "hatch" in look
+        at = 40.0, float(np.interp(40.0, ends.index, ends["min" if is_below else "max"]))
+        gap, va = ((0, -4), "top") if is_below else ((0, 4), "bottom")
+        place: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": va}
+        ax.annotate(words, at, gap, color=colour, **place)
+    ax.axhline(limit, color="black", linestyle="dashed")
+    ax.annotate("negligible below", (5.0, limit), (0, 3), textcoords="offset points")
