@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -24,7 +25,7 @@ from microimpact.lab.ptis.tracks import Leg, fit_path
 # Points of a flight. A cut, and the loss of a point at it, must explain more than chance does, and
 # the velocity change by this share of the speed: drag or a distorted picture bend a flight, too.
 LEAST_POINTS = 3
-CUT, BLUR, KINK, PASSES = 1e-4, 1e-3, 0.1, 5
+CUT, BLUR, KINK = 1e-4, 1e-3, 0.1
 # The scatter of all flights counts as so many deviations beside a flight's own (an empirical prior
 # as of Smyth, 2004); a flight that scatters so many times as much is no single one.
 PRIOR, ROUGH = 10.0, 5.0
@@ -124,11 +125,11 @@ def _reduced(
             "sigma": np.where(captured, np.nan, sigma),
             "sigma_v": sigma_v * measured.speed / -before,
             "d": np.broadcast_to(np.asarray(d, dtype=float), n),
-            "fall": np.broadcast_to(np.asarray(fall[0], dtype=float), n),
-            "sigma_fall": np.broadcast_to(np.asarray(fall[1], dtype=float), n),
         }
     good = np.equal(reason, "")
     numbers = {name: np.where(good, x, np.nan) for name, x in numbers.items()}
+    fallen = {"fall": fall[0], "sigma_fall": fall[1]}
+    numbers |= {k: np.broadcast_to(np.asarray(x, dtype=float), n) for k, x in fallen.items()}
     names = np.asarray(track, dtype=object)
     return Reduced(track=names, **numbers, captured=captured & good, reason=reason)
 
@@ -189,10 +190,7 @@ def reduce_tracks(
         index = np.array(rows[name])
         flights, reason = _flights_of(t[index], points[index], pull)
         lost[name] = reason
-        pairs += [
-            (name, index[first], index[second])
-            for first, second in zip(flights, flights[1:], strict=False)
-        ]
+        pairs += [(name, index[first], index[second]) for first, second in pairwise(flights)]
     found = _impacts(t, points, sizes, pairs, pull, wall, tilt)
     # A track has a row for each of its impacts, or one that says why there is none.
     parts = []
@@ -230,15 +228,16 @@ def _flights_of(time: FloatArray, points: FloatArray, pull: float) -> tuple[list
     if (twice := np.flatnonzero(np.diff(time) <= 0.0)).size:
         return [], f"two points at {time[twice[0]]:g} s"
     places = points - points.mean(axis=0)
-    flights, passes = _flights(time, places, pull, 0), 0
-    before: list[slice] = []
-    # The first cuts of many bounces were a compromise: each anew, between its neighbours.
-    while flights != before and passes < PASSES:
-        before, flights = flights, flights[:1]
-        for following in before[1:]:
-            both = slice(flights[-1].start, following.stop)
-            flights[-1:] = _flights(time[both], places[both], pull, both.start)
-        passes += 1
+    flights = _flights(time, places, pull, 0)
+    # The first cuts of many bounces were a compromise: neighbours are cut anew, where that is less.
+    for width in (2, 3, 2):
+        i = 0
+        while i + width <= len(flights):
+            some = slice(flights[i].start, flights[i + width - 1].stop)
+            anew = _flights(time[some], places[some], pull, some.start)
+            better = len(anew) < width or width == len(anew) == 2
+            flights[i : i + width] = anew if better else flights[i : i + width]
+            i += len(anew) >= width
     return flights, ""
 
 
@@ -529,9 +528,7 @@ class _Meeting:
     error: FloatArray
 
 
-def _meet(
-    place: FloatArray, slope: FloatArray, fall: FloatArray, variance: FloatArray
-) -> _Meeting:
+def _meet(place: FloatArray, slope: FloatArray, fall: FloatArray, variance: FloatArray) -> _Meeting:
     """Let the flights meet.
 
     Parameters
@@ -658,7 +655,7 @@ def reduce_heights(
         for h, sign in ((h0, -1.0), (h1, 1.0))
     )
     captured = h1 == 0.0
-    reason = np.where(V > v, "its rebound is faster than its impact", "").astype(object)
+    reason = np.where(v < V, "its rebound is faster than its impact", "").astype(object)
     return _normal(1 + np.arange(h0.size), v, V, np.hypot(dV, V / v * dv) * error / v, dv * error,
                    d, captured, reason)  # fmt: skip
 
@@ -722,7 +719,7 @@ def reduce_times(times: ArrayLike, *, sigma: float = 0.0) -> Reduced:
 def _normal(
     track: NDArray[Any],
     v: FloatArray,
-    V: FloatArray,  # noqa: N803
+    V: FloatArray,
     sigma: FloatArray,
     sigma_v: FloatArray,
     d: ArrayLike,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -299,7 +300,7 @@ def _times(
     parts = []
     for name in dict.fromkeys(labels):
         mine = [i for i, label in enumerate(labels) if label == name]
-        wrong = [b for a, b in zip(mine, mine[1:], strict=False) if time[b] <= time[a]]
+        wrong = [b for a, b in pairwise(mine) if time[b] <= time[a]]
         if wrong:
             raise ValueError(f"{table.name}, {where[wrong[0]]}: t must ascend, got "
                              f"{table.cells['t'][np.flatnonzero(rows)[wrong[0]]]}")  # fmt: skip

@@ -628,3 +628,18 @@ def test_help_is_whole_and_in_groups(microimpact):
         groups = re.findall(r"^(\w[\w ]*):$", text, re.MULTILINE)
         assert groups[-1] == "Options"
         assert len(groups) > 1
+
+
+def test_heights_are_reduced_and_the_table_is_one_for_fit(microimpact, tmp_path):
+    heights, rebounds = tmp_path / "heights.csv", tmp_path / "rebounds.csv"
+    heights.write_text("h0 (mm),h1 (mm)\n100,25\n50,0\n10,20\n", encoding="utf-8")
+    done = microimpact("reduce", str(heights), "--sigma-h", "100", "-o", str(rebounds))
+    assert done.returncode == 0
+    assert done.stdout.startswith("heights.csv: 2 impacts, 1 captured; 1 left out: 1 its rebound")
+    table = pd.read_csv(rebounds)
+    assert table["e"].tolist()[:2] == [0.5, 0.0]
+    assert table["captured"].tolist()[:2] == ["no", "yes"]
+    assert "faster than its impact" in table["reason"][2]
+    assert microimpact("reduce", str(heights), "--sigma-h", "100").stdout == rebounds.read_text()
+    refused = microimpact("reduce", str(heights), "--fps", "1000")
+    require_refusal(refused, "heights.csv holds heights; leave out --fps")

@@ -20,7 +20,8 @@ def tracks(n=1, *, noise=0.0, angle=80.0, e=0.6, wall=0.0, points=10, keep=0.8, 
     for i in range(n):
         t = (np.arange(-points, points) + rng.uniform()) / 5000.0
         place = np.where((t < 0)[:, None], t[:, None] * before, t[:, None] * before * [keep, -e])
-        place = (place + [rng.uniform(-2e-3, 2e-3), 0.0]) @ turn.T
+        place[:, 0] += rng.uniform(-2e-3, 2e-3)
+        place = place @ turn.T
         place[:, 1] -= 0.5 * g * t**2
         place += noise * rng.standard_normal(place.shape)
         parts.append(np.column_stack([t + i, place, np.full(t.size, i)]))
