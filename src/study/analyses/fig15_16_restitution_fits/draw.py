@@ -125,10 +125,10 @@ def draw_fig15(sheet: Sheet) -> None:
     draw_fits(sheet, PAIRS, (0.6, 30.0), (0.85, 2.2), ticks)
     # The other two lie at the feet of their curves.
     printed = sheet.tables["fig15"].query("series == 'printed, 1.47 m/s'")
-    for place in printed.iloc[:, 3:5].to_numpy():
+    for at in printed.iloc[:, 3]:
         words = sheet.fill("printed,\n[[fluorescein-molybdenum, nominal.surface]]")
         look: dict[str, Any] = {"fontsize": "small", "ha": "center", "va": "bottom"}
-        sheet.figure.axes[1].annotate(words, place, (0, 5), textcoords="offset points", **look)
+        sheet.figure.axes[1].annotate(words, (at, 0.0), (0, 5), textcoords="offset points", **look)
 
 
 def both_fits_err(y: Curves) -> Stated:

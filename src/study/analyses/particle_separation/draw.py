@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 def adhesion_falls_below_patches(y: Curves) -> Stated:
     """Adhesion, falling, crosses the attraction of patches within the weights drawn."""
-    excess = np.log(y("adhesion") / y("charged patches"))
+    excess = (y("adhesion") / y("charged patches")).map(math.log)
     crosses = excess.iloc[0] > 0.0 > excess.iloc[-1] and excess.is_monotonic_decreasing
     return stated(crosses, crossing=float(np.interp(0.0, -excess, excess.index)))
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from study.figures.declaration import Figure, Series, stated
 
 if TYPE_CHECKING:
@@ -28,7 +30,7 @@ BARS = {"corrected": ("corrected", 0.07, 0), "printed": ("as printed", 0.03, 1)}
 def expansion_holds_on_gentle_slopes(y: Curves) -> Stated:
     """The range of agreement, to either side, is wider with the corrected signs."""
     printed, corrected = (
-        abs(y(f"range {form}", "slope restitution").index).min()
+        np.abs(y(f"range {form}", "slope restitution").index.to_numpy(float)).min()
         for form in ("printed", "corrected")
     )
     return stated(printed < corrected, printed=printed, corrected=corrected)
@@ -72,9 +74,9 @@ def draw_roughness(sheet: Sheet) -> None:
     A series ``range x`` holds the two ends of the range of series x.
     """
     axes = sheet.panels(xlabel=SLOPE)
-    ends = ((-9.0, 20.0), (-1.5, 6.5)), ((-20.0, 20.0), (0.5, 0.72)), ((-20.0, 20.0), (-0.4, 0.4))
+    limits = ((-9.0, 20.0), (-1.5, 6.5)), ((-20.0, 20.0), (0.5, 0.72)), ((-20.0, 20.0), (-0.4, 0.4))
     *restitution, ratio = axes
-    for ax, (xlim, ylim) in zip(axes, ends, strict=True):
+    for ax, (xlim, ylim) in zip(axes, limits, strict=True):
         ax.set(xlim=xlim, ylim=ylim, ylabel="Measured restitution $e_m$")
     ratio.set_ylabel(r"Measured impulse ratio $-\mu_m$")
     for ax in axes:

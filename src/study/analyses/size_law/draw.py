@@ -37,7 +37,7 @@ def rebounds_decide(y: Curves) -> Stated:
     import pandas as pd
 
     needed = pd.concat([y(f"{laws}, from 1.2 v_c") for laws in COMPARED], axis=1).max(axis=1)
-    return stated(needed.min() < 1000.0, rebounds=needed.min(), larger=needed.idxmin())
+    return stated(needed.min() < 1000.0, rebounds=needed.min(), larger=float(str(needed.idxmin())))
 
 
 @Figure(
