@@ -91,3 +91,11 @@ def test_all_that_is_drawn_lies_on_the_sheet_and_is_named(tmp_path):
     inside = table[table["artist"] != "Text"][4:]
     assert (inside["x_low"] >= 0).all()
     assert (inside["y_high"] <= spec.height_mm / style.MM_PER_INCH * 72).all()
+
+
+def test_an_svg_says_what_it_shows(tmp_path):
+    path = tmp_path / "a.svg"
+    with style.context():
+        style.save(drawn(SPECS["fig14"]), path, title="e < 1", description="R & rho.")
+    text = path.read_text(encoding="utf-8")
+    assert "<title>e &lt; 1</title>\n <desc>R &amp; rho.</desc>" in text
