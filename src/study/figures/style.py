@@ -32,7 +32,6 @@ from study.figures.declaration import Figure as Words
 from study.figures.declaration import Series
 from study.tables import POINTS, Tables, points_parts
 
-# Kinds of lines by name: as many as a panel has curves.
 TINT: dict[str, Any] = {"alpha": 0.25}
 GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
 HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}

@@ -27,8 +27,13 @@ from study.run.stamp import STAMP, git_state
 METADATA = "ro-crate-metadata.json"
 COPIES = "crate"
 WORKFLOW = "Snakefile"
-CONFIGURATION = ("config/config.yaml", "config/laboratory.yaml", "config/analyses")
-CONFIGURATION += ("config/equations.yaml", "config/amendments.csv")
+CONFIGURATION = (
+    "config/config.yaml",
+    "config/laboratory.yaml",
+    "config/analyses",
+    "config/equations.yaml",
+    "config/amendments.csv",
+)
 WORKFLOW_PARTS = ("workflow/rules/*.smk", "workflow/scripts/*.py", "workflow/report/*.rst")
 # Results, and what the engine and the jobs tell of the run.
 RESULTS, TRACES = (*TABLE_FOLDERS, "figures"), ("benchmarks", "logs")
