@@ -21,7 +21,7 @@ from study.tables import Curves, Tables
 if TYPE_CHECKING:
     from study.figures.style import Sheet
 
-Line = Literal["solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot", "loose dashed"]
+Line = Literal["solid", "dashed", "dotted", "dashdot"]
 Mark = Literal["circle", "square", "triangle"]
 
 # Every figure is written in each of these.
