@@ -71,7 +71,7 @@ def overview(case: Case, summary: pd.DataFrame) -> pd.DataFrame:
     rows = of_all[of_all["quantity"] == "v_c_m_per_s"]
     exponent = float(of_all.loc[of_all["quantity"] == "size_exponent", "median"].iloc[0])
     frame = partial(series_frame, "all", x_unit="1", y_unit="m_per_s")
-    frames = []
+    frames: list[pd.DataFrame] = []
     for name, statement in case.statements.items():
         if statement.standing == PRINTED and statement.quantity == "capture velocity in m/s":
             diameter = statement.median_diameter_um or case.diameter_um
