@@ -63,8 +63,8 @@ OVERVIEW = {
     data=("capture_velocity_summary",),
     equations="25",
     finding="""
-        The two printed capture velocities agree with each other. The printed restitutions admit
-        both, at 0.12 to 0.16 m/s; alone they give an upper bound.
+        The two printed capture velocities agree with each other. With the restitutions they give
+        nearly one value, by whatever law; the restitutions alone give an upper bound.
     """,
     method="""
         By the statements of figure `evidence`. A bound stands where the profile likelihood does
