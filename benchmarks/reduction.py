@@ -1,6 +1,7 @@
-"""Tracks that the virtual laboratory renders, reduced and fitted: are the stated errors right?
+"""Stated errors of tracks that the virtual laboratory renders, which are reduced and fitted.
 
     python -m benchmarks.reduction [--impacts 200] [--sets 100] > docs/reduction.csv
+    python -m benchmarks.reduction --tracks > docs/examples/tracks.csv
 
 A camera takes a frame of each pulse of light; the place of the sphere is the centroid of its spot.
 In each cell impacts of one size, angle and noise have a known e, and each a wall of its own tilt
@@ -159,13 +160,29 @@ def chain(sets: int, rng: Generator) -> tuple[object, ...]:
     return (size, CHAIN_ANGLE, CAMERA.read_noise_counts, used, lost, *([""] * 4), held, sets)
 
 
+def tracks(rng: Generator) -> Iterator[tuple[object, ...]]:
+    """Rows of a file of tracks, as of a set of the chain."""
+    contact = contacts["stainless-steel-316 on silicon"]
+    v = np.geomspace(SLOWEST, FASTEST, CHAIN_IMPACTS)
+    e = np.asarray(simulate(contact, v, CHAIN_ANGLE).coefficient_of_restitution)
+    yield "track", "t (ms)", "x (px)", "y (px)"
+    pixel = 1e-6 * CAMERA.pixel_um
+    for i, points in film(float(contact.diameter), v, CHAIN_ANGLE, e, CAMERA, rng):
+        for t, x, y in points:
+            yield i + 1, f"{1e3 * t:.4f}", f"{x / pixel:.3f}", f"{-y / pixel:.3f}"
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.reduction", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("--impacts", type=int, default=200, help="of a cell")
     parser.add_argument("--sets", type=int, default=100, help="that are fitted")
+    parser.add_argument("--tracks", action="store_true", help="write a file of tracks instead")
     options = parser.parse_args(arguments)
     table = csv.writer(sys.stdout, lineterminator="\n")
+    if options.tracks:
+        table.writerows(tracks(np.random.default_rng(SEED)))
+        return
     table.writerow(HEADER)
     seeds = np.random.SeedSequence(SEED).spawn(1 + len(SIZES_UM) * len(ANGLES) * len(NOISES))
     for seed, (size, angle, noise) in zip(seeds, product(SIZES_UM, ANGLES, NOISES), strict=False):

@@ -59,6 +59,7 @@ SPREADS = {
     "--sigma-v": "Standard deviation of the speeds, if no column gives it: '1.5%' or in m/s.",
     "--size-scatter": "That of the diameters: '7%', or 'free': to be found.",
 }
+FLOATS = ("--sigma", "--fps", "--um-per-px", "--tilt", "--drag", "--sigma-h", "--sigma-t")
 
 
 def table_options(words: Mapping[str, str]) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -70,9 +71,8 @@ def table_options(words: Mapping[str, str]) -> Callable[[Callable[..., None]], C
         Help by option.
     """
     types: dict[str, dict[str, Any]] = {
+        **{flag: {"type": float} for flag in FLOATS},
         "--skip-bad-rows": {"is_flag": True},
-        **dict.fromkeys(("--sigma", "--fps", "--um-per-px", "--tilt"), {"type": float}),
-        **dict.fromkeys(("--drag", "--sigma-h", "--sigma-t"), {"type": float}),
     }
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:

@@ -214,8 +214,13 @@ def _arrays(time: ArrayLike, x: ArrayLike, y: ArrayLike) -> tuple[FloatArray, Fl
 
 def _left_out(track: object, reason: str) -> Reduced:
     """One row without numbers."""
+    unknown = np.full(1, np.nan)
     return _reduced(
-        *([track], np.full((1, 2, 2), np.nan), np.full(1, np.nan), np.full(1, np.nan), np.nan),
+        np.array([track, None], dtype=object)[:1],
+        np.full((1, 2, 2), np.nan),
+        unknown,
+        unknown,
+        unknown,
         captured=np.zeros(1, dtype=bool),
         reason=np.array([reason], dtype=object),
     )
@@ -336,7 +341,7 @@ class _Legs:
         weights = self.path.weights
         place = share - weights * np.sum(share * self.time, axis=1, keepdims=True)
         both = np.stack([place, weights], axis=1)
-        return both @ np.swapaxes(both, 1, 2)
+        return np.asarray(both @ np.swapaxes(both, 1, 2))
 
 
 def _legs(
@@ -398,9 +403,10 @@ def _impacts(
         """How the flights meet if the picture is turned by an angle, degrees."""
         sine, cosine = np.sin(np.radians(angle)), np.cos(np.radians(angle))
         place, slope = np.moveaxis(flat @ [[cosine, sine], [-sine, cosine]] + bent, 2, 0)
-        of_legs = [np.stack([_turn(frame, of[:, leg]) for leg in (0, 1)], axis=1)
-                   for of in (place, slope)]  # fmt: skip
-        return _meet(*of_legs, fall, variance)
+        of_legs = (
+            np.stack([_turn(frame, of[:, leg]) for leg in (0, 1)], axis=1) for of in (place, slope)
+        )
+        return _meet(next(of_legs), next(of_legs), fall, variance)
 
     meeting = met(0.0)
     errors, missed = _errors(meeting, met(turn), met(-turn))
@@ -417,22 +423,27 @@ def _impacts(
                   for of in before])  # fmt: skip
     return _reduced(
         np.array([*names, None], dtype=object)[:-1], meeting.velocities, *errors, d,
-        captured=resting, reason=reason, fall=_fall(legs, noise, resting),
+        captured=resting, reason=reason, fall=_fall(legs, resting),
     )  # fmt: skip
 
 
-def _fall(
-    legs: Sequence[_Legs], noise: Sequence[FloatArray], resting: BoolArray
-) -> tuple[FloatArray, FloatArray]:
-    """Downward acceleration that the points of both flights have, and its error, m/s2, (k,)."""
+def _fall(legs: Sequence[_Legs], resting: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Downward acceleration that the points of both flights have, and its error, m/s2, (k,).
+
+    The noise is that of all points about paths of any acceleration.
+    """
+    squares = free = 0.0
     total = information = np.zeros(len(resting))
-    for leg, variance, flies in zip(legs, noise, (True, ~resting), strict=False):
-        bend = leg.bend() * np.reshape(flies, (-1, 1))
-        each = np.maximum(variance.mean(axis=1), 1e-30)
-        total = total - np.sum(bend * leg.path.points[..., 1], axis=1) / each
-        information = information + np.sum(bend**2, axis=1) / each
+    for leg, flies in zip(legs, (np.ones_like(resting), ~resting), strict=False):
+        bend, off = leg.bend() * flies[:, None], leg.residuals()[..., 1]
+        moment, inertia = np.sum(bend * off, axis=1), np.sum(bend**2, axis=1)
+        total, information = total + moment, information + inertia
+        some = flies & (inertia > 0.0)
+        squares += float(np.sum(np.sum(off**2, axis=1)[some] - moment[some] ** 2 / inertia[some]))
+        free += float(np.sum(leg.used[some])) - 3.0 * np.count_nonzero(some)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return total / information, 1.0 / np.sqrt(information)
+        noise = np.sqrt(np.divide(max(squares, 0.0), free)) if free else np.inf
+        return legs[0].path.gravity - total / information, noise / np.sqrt(information)
 
 
 def _flight(leg: _Legs) -> FloatArray:
@@ -451,7 +462,7 @@ def _frames(incident: _Legs, direction: float) -> FloatArray:
     angle = np.radians(direction)
     axes = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     along = incident.path.velocity @ axes.T * [1.0, -1.0]
-    return np.where(along < 0.0, -1.0, 1.0)[..., None] * axes
+    return np.asarray(np.where(along < 0.0, -1.0, 1.0)[..., None] * axes)
 
 
 def _wall(incident: _Legs, rebound: _Legs) -> tuple[float, float]:
@@ -460,6 +471,7 @@ def _wall(incident: _Legs, rebound: _Legs) -> tuple[float, float]:
     slope = rebound.path.velocity - incident.path.velocity
     contact = -np.sum(place * slope, axis=1) / np.sum(slope**2, axis=1)
     kinks = incident.path.at(contact)
+    size, axes = np.zeros(2), np.eye(2)
     for _ in range(3):  # without those far off, which are of no wall
         centre = np.median(kinks, axis=0)
         _, size, axes = np.linalg.svd(kinks - centre, full_matrices=False)

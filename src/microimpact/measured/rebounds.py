@@ -160,10 +160,10 @@ def read_rebounds(
     ----------
     source
         The file (UTF-8, UTF-16 or Latin-1), or the table, with the columns `COLUMNS`, of which v
-        and e or V are needed (both must agree); others are left out. Lines that begin with ``#`` or ``%`` are
-        comments, rows without their numbers are skipped; ``notes`` says so. A captured sphere has
-        ``captured`` yes, or e (or V) 0, and needs no ``sigma``: it takes the median one of the
-        others.
+        and e or V are needed (both must agree); others are left out. Lines that begin with ``#`` or
+        ``%`` are comments, rows without their numbers are skipped; ``notes`` says so. A captured
+        sphere has ``captured`` yes, or e (or V) 0, and needs no ``sigma``: it takes the median one
+        of the others.
     unit, size_unit
         Units of speeds and of sizes, where the table states none; None: SI units.
     columns

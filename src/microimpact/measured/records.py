@@ -41,7 +41,9 @@ COLUMNS = {
         units=PLACE_UNITS, kind=PLACES, names=("drop_height", "h_drop", "height_of_drop", "h_0")
     ),
     "h1": Column(
-        units=PLACE_UNITS, kind=PLACES, names=("rebound_height", "h_rebound", "bounce_height", "h_1")
+        units=PLACE_UNITS,
+        kind=PLACES,
+        names=("rebound_height", "h_rebound", "bounce_height", "h_1"),
     ),
     "track": Column(
         names=("track_id", "tid", "track_n°", "track_no", "track_number", "trajectory", "particle",
@@ -55,8 +57,8 @@ OPTIONS = {
     "times": ("sigma_t",),
 }
 DIRECTIONS = {"gravity": ("down", "none"), "y": ("down", "up")}
-# A fall known to this share of g is compared with g; it differs from there on, in its errors.
-WELL_KNOWN, DIFFERENT = 0.2, 5.0
+# A fall that is known to this share is compared with g; so many of its errors off, it differs.
+WELL_KNOWN, DIFFERENT = 0.2, 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -283,7 +285,7 @@ def _doubt(reduced: Reduced, expected: float) -> list[str]:
         return []
     error = float(np.sum(weights) ** -0.5)
     fall = float(np.sum(weights * reduced.fall[known]) * error**2)
-    if error > WELL_KNOWN * gravity or abs(fall - expected) <= DIFFERENT * error:
+    if error > WELL_KNOWN * max(abs(fall), gravity) or abs(fall - expected) <= DIFFERENT * error:
         return []
     return [
         f"the paths fall with {fall:.3g} +- {error:.1g} m/s2, not {expected:.3g}: is it the scale, "
