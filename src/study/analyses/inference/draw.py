@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from study.figures.declaration import (
     CAPTURE_VELOCITY,
     NORMAL_SPEED,
@@ -13,13 +15,16 @@ from study.figures.declaration import (
     WORK_OF_ADHESION,
     Figure,
     Series,
+    stated,
 )
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from study.figures.declaration import Stated
     from study.figures.style import Sheet
+    from study.tables import Curves
 
 # Distance of the laws of one line, and looks of those that are not a single law.
 APART = 0.19
@@ -50,6 +55,48 @@ OVERVIEW = {
 }
 
 
+# Logarithm of the likelihood ratio at which 95 % end.
+LIKELY = -1.92
+# Speed above which medians of the laws agree, m/s.
+AGREE = 0.3
+
+
+def ranges_of_printed_and_restitutions(y: Curves) -> Stated:
+    """The printed velocities overlap, are narrowed with restitutions, and are unbounded without."""
+    (table,) = y.tables.values()
+    rows = table.set_index("series")
+    ends = [rows.loc[name, ["y_low", "y_high"]] for name in OVERVIEW]
+    fig16, sst65, both, _, alone, _ = ends
+    agree = max(fig16.iloc[0], sst65.iloc[0]) < min(fig16.iloc[1], sst65.iloc[1])
+    narrow = both.iloc[1] < 2.0 * both.iloc[0] and alone.iloc[0] == 0.0
+    return stated(agree and narrow, low=both.iloc[0], high=both.iloc[1], bound=alone.iloc[1])
+
+
+def likelihood_is_flat_towards_rest(y: Curves) -> Stated:
+    """Velocities that differ by more than ten are as likely, with n free and nothing printed."""
+    curve = y("ring force, n free", "without the printed v_c")
+    likely = curve[curve > LIKELY].index
+    return stated(likely[-1] > 10.0 * likely[0], low=likely[0], high=likely[-1])
+
+
+def printed_velocities_fix_it(y: Curves) -> Stated:
+    """The range over all laws is less than half as wide, as a factor, with the printed velocities."""
+    table = next(table for table in y.tables.values() if "capture velocity" in set(table["panel"]))
+    rows = table.set_index("series")
+    names = [f"scenario; {words} the printed v_c; all laws" for words in ("with", "without")]
+    both, alone = (rows.loc[name, "y_high"] / rows.loc[name, "y_low"] for name in names)
+    return stated(2.0 * both < alone, both=both, alone=alone)
+
+
+def laws_part_below(y: Curves) -> Stated:
+    """Medians of the laws are near each other above a speed, and far at some lower one."""
+    panel = "steel-silicon, without the printed v_c"
+    laws = [y(law, panel) for law in ("ring force, n free", "ring force, n = 0", "JKR, viscous")]
+    apart = np.max(laws, axis=0) - np.min(laws, axis=0)
+    agree = apart[laws[0].index >= AGREE].max()
+    return stated(2.0 * agree < apart.max(), within=agree, most=apart.max())
+
+
 @Figure(
     "capture_velocity_summary",
     "Capture velocity of steel on silicon: what is printed, and what follows",
@@ -64,8 +111,10 @@ OVERVIEW = {
     equations="25",
     finding="""
         The two printed capture velocities agree with each other. With the restitutions they give
-        nearly one value, by whatever law; the restitutions alone give an upper bound.
+        {low:.2f} to {high:.2f} m/s over all laws; the restitutions alone give an upper bound,
+        {bound:.2f} m/s.
     """,
+    holds=ranges_of_printed_and_restitutions,
     method="""
         By the statements of figure `evidence`. A bound stands where the profile likelihood does
         not fall towards rest (figure `capture_velocity_profile`); its end is that of 95 % by the
@@ -117,9 +166,10 @@ def draw_capture_velocity_summary(sheet: Sheet) -> None:
     equations="25",
     finding="""
         Without the printed capture velocities the likelihood of the ring force with a free rate
-        exponent is flat from 0.01 to 0.14 m/s: it gives an upper bound, and a median there
-        is that of the prior.
+        exponent does not tell {low:.3f} from {high:.2f} m/s: it gives an upper bound, and a
+        median there is that of the prior.
     """,
+    holds=likelihood_is_flat_towards_rest,
     method="""
         The greatest over contacts of the pool, in twenty classes a decade; open angles, sizes and
         normal forces in Coulomb's law are averaged over.
@@ -133,7 +183,7 @@ def draw_capture_velocity_profile(sheet: Sheet) -> None:
     both.set_xlim(0.08, 0.3)
     for ax in (without, both):
         ax.set_ylabel(r"$\ln$ likelihood, over the greatest")
-        sheet.level(ax, -1.92)
+        sheet.level(ax, LIKELY)
         sheet.draw(ax, STEEL_LAWS)
     sheet.ticks(without.xaxis, (1, 3), decades=True)
     sheet.ticks(both.xaxis, (0.1, 0.15, 0.2, 0.3))
@@ -153,9 +203,10 @@ def draw_capture_velocity_profile(sheet: Sheet) -> None:
     data=("evidence_limits", "evidence_works"),
     equations="25",
     finding="""
-        Two printed capture velocities fix the capture velocity to a quarter, whatever the law of
-        contact; restitutions alone fix neither.
+        With the two printed capture velocities the range over all laws of contact is a factor of
+        {both:.1f}; restitutions alone leave a factor of {alone:.0f}.
     """,
+    holds=printed_velocities_fix_it,
     method="""
         At [[pairs.steel-silicon.diameter_um:g]] µm. Each law is weighed by the same statements
         (table evidence_statements) over broad ranges of its parameters (table
@@ -251,9 +302,10 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, *, named: bool) -> None:
     data=("posterior_bands",),
     equations="25",
     finding="""
-        Above 0.3 m/s the laws agree; below, they part, and the printed statements do not reach
-        there.
+        Above 0.3 m/s the laws agree within {within:.2f}; below, they part by up to {most:.2f}, and
+        the printed restitutions do not reach there.
     """,
+    holds=laws_part_below,
     method="""
         (a, b) [[pairs.steel-silicon.diameter_um:g]] µm; (c, d)
         [[pairs.fluorescein-molybdenum.diameter_um:g]] µm, of which no restitution is printed.
