@@ -65,11 +65,11 @@ def ranges_of_printed_and_restitutions(y: Curves) -> Stated:
     """The printed velocities overlap, are narrowed with restitutions, and are unbounded without."""
     (table,) = y.tables.values()
     rows = table.set_index("series")
-    ends = [rows.loc[name, ["y_low", "y_high"]] for name in OVERVIEW]
+    ends = rows.loc[[*OVERVIEW], ["y_low", "y_high"]].to_numpy(float)
     fig16, sst65, both, _, alone, _ = ends
-    agree = max(fig16.iloc[0], sst65.iloc[0]) < min(fig16.iloc[1], sst65.iloc[1])
-    narrow = both.iloc[1] < 2.0 * both.iloc[0] and alone.iloc[0] == 0.0
-    return stated(agree and narrow, low=both.iloc[0], high=both.iloc[1], bound=alone.iloc[1])
+    agree = max(fig16[0], sst65[0]) < min(fig16[1], sst65[1])
+    narrow = both[1] < 2.0 * both[0] and alone[0] == 0.0
+    return stated(agree and narrow, low=both[0], high=both[1], bound=alone[1])
 
 
 def likelihood_is_flat_towards_rest(y: Curves) -> Stated:
@@ -84,7 +84,8 @@ def printed_velocities_fix_it(y: Curves) -> Stated:
     table = next(table for table in y.tables.values() if "capture velocity" in set(table["panel"]))
     rows = table.set_index("series")
     names = [f"scenario; {words} the printed v_c; all laws" for words in ("with", "without")]
-    both, alone = (rows.loc[name, "y_high"] / rows.loc[name, "y_low"] for name in names)
+    low, high = rows.loc[names, ["y_low", "y_high"]].to_numpy(float).T
+    both, alone = high / low
     return stated(2.0 * both < alone, both=both, alone=alone)
 
 
