@@ -44,7 +44,7 @@ def no_plateau_at_the_printed_velocity(y: Curves) -> Stated:
     """
         (a) Fall of the restitution of [[case.pair]] from [[speed_m_per_s:g]] to
         [[plateau_from_m_per_s:g]] m/s against the capture velocity, by exponent m of the work of
-        separation over the speed of the edge, which is [[work_of_adhesion_J_per_m2:g]] J/m$^2$ at
+        separation over the speed of the edge, which is [[work_of_adhesion_J_per_m2:g]] J/m² at
         rest. Below the level line it is roughly constant. (b) Restitution against the normal
         speed with the printed capture velocity; diamonds: both ends of the printed plateau.
     """,

@@ -105,7 +105,7 @@ def laws_part_below(y: Curves) -> Stated:
         Capture velocity at [[pairs.steel-silicon.diameter_um:g]] µm: printed, and 5 to 95 % over all
         laws of contact. The velocity of the smaller spheres is carried to this size by the
         exponent of these laws. An arrow: an upper bound alone. Plausible adhesion: a work of
-        adhesion of 0.02 to 0.3 J/m$^2$.
+        adhesion of 0.02 to 0.3 J/m².
     """,
     {"all": ""},
     data=("capture_velocity_summary",),
