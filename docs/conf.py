@@ -50,7 +50,15 @@ default_role = "code"
 # Names of types instead of what they stand for.
 autodoc_type_aliases = {
     name: name
-    for name in ("ArrayLike", "BoolArray", "Distribution", "FloatArray", "IntArray", "Real")
+    for name in (
+        "ArrayLike",
+        "BoolArray",
+        "Distribution",
+        "FloatArray",
+        "IntArray",
+        "ObjectArray",
+        "Real",
+    )
 }
 
 

@@ -15,6 +15,7 @@ from microimpact.core.computable import NotComputable
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+ObjectArray = npt.NDArray[np.object_]
 Real = float | FloatArray
 
 

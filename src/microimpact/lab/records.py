@@ -17,7 +17,15 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, Columns, FloatArray, checked
+from microimpact.core.arrays import (
+    NON_NEGATIVE,
+    POSITIVE,
+    BoolArray,
+    Columns,
+    FloatArray,
+    ObjectArray,
+    checked,
+)
 from microimpact.core.constants import gravity
 from microimpact.lab.events import IntArray, Measured
 from microimpact.lab.ptis.tracks import Leg, fit_path
@@ -65,7 +73,7 @@ class Reduced(Columns):
         Why there are no numbers; empty if there are, (n,).
     """
 
-    track: NDArray[np.object_]
+    track: ObjectArray
     v: FloatArray
     angle: FloatArray
     V: FloatArray
@@ -77,7 +85,7 @@ class Reduced(Columns):
     fall: FloatArray
     sigma_fall: FloatArray
     captured: BoolArray
-    reason: NDArray[np.object_]
+    reason: ObjectArray
 
     @property
     def used(self) -> BoolArray:
@@ -106,7 +114,7 @@ def _reduced(
     d: ArrayLike,
     *,
     captured: BoolArray,
-    reason: NDArray[np.object_],
+    reason: ObjectArray,
     fall: tuple[ArrayLike, ArrayLike] = (np.nan, np.nan),
 ) -> Reduced:
     """Rows of velocities in the frame of the wall, (n, 2, 2) as in `Measured`."""
@@ -191,25 +199,25 @@ def reduce_tracks(
         flights, reason = _flights_of(t[index], points[index], pull)
         lost[name] = reason
         pairs += [(name, index[first], index[second]) for first, second in pairwise(flights)]
-    found = _impacts(t, points, sizes, pairs, pull, wall, tilt)
+    impacts = _impacts(t, points, sizes, pairs, pull, wall, tilt)
     # A track has a row for each of its impacts, or one that says why there is none.
     parts = []
     for name in order:
-        mine = np.flatnonzero([of is name or of == name for of in found.track])
-        good = mine[found.used[mine]]
+        mine = np.flatnonzero([of is name or of == name for of in impacts.track])
+        good = mine[impacts.used[mine]]
         if lost[name] or not mine.size:
             parts.append(_left_out(name, lost[name] or "no impact: it is one flight"))
         else:
-            parts.append(found.select(good if good.size else mine[:1]))
+            parts.append(impacts.select(good if good.size else mine[:1]))
     return Reduced.joined(parts)
 
 
 def _arrays(time: ArrayLike, x: ArrayLike, y: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    t, *place = (np.ravel(checked(k, a)) for k, a in (("time", time), ("x", x), ("y", y)))
-    if not t.size or any(of.size != t.size for of in place):
-        sizes = ", ".join(str(of.size) for of in (t, *place))
+    t, *coordinates = (np.ravel(checked(k, a)) for k, a in (("time", time), ("x", x), ("y", y)))
+    if not t.size or any(of.size != t.size for of in coordinates):
+        sizes = ", ".join(str(of.size) for of in (t, *coordinates))
         raise ValueError(f"time, x and y must be of one length above 0, got {sizes}")
-    return t, np.stack(place, axis=-1)
+    return t, np.stack(coordinates, axis=-1)
 
 
 def _left_out(track: object, reason: str) -> Reduced:
@@ -238,8 +246,8 @@ def _flights_of(time: FloatArray, points: FloatArray, pull: float) -> tuple[list
     for width in (2, 3, 2):
         i = 0
         while i + width <= len(flights):
-            some = slice(flights[i].start, flights[i + width - 1].stop)
-            anew = _flights(time[some], places[some], pull, some.start)
+            part = slice(flights[i].start, flights[i + width - 1].stop)
+            anew = _flights(time[part], places[part], pull, part.start)
             better = len(anew) < width or width == len(anew) == 2
             flights[i : i + width] = anew if better else flights[i : i + width]
             i += len(anew) >= width
@@ -249,24 +257,24 @@ def _flights_of(time: FloatArray, points: FloatArray, pull: float) -> tuple[list
 def _flights(time: FloatArray, points: FloatArray, pull: float, begin: int) -> list[slice]:
     """Cut a track, again and again, where two flights explain it better than one."""
     n = time.size
-    place = np.arange(LEAST_POINTS, n - LEAST_POINTS + 1)
-    if not place.size:
+    cut = np.arange(LEAST_POINTS, n - LEAST_POINTS + 1)
+    if not cut.size:
         return [slice(begin, begin + n)]
     first = _squares(time, points, pull)
     last = _squares(-time[::-1], points[::-1], pull)[::-1]
     whole = max(first[n], np.finfo(float).tiny)
     rounding = 1e-13 * float(np.sum(points**2))
-    cuts = first[place] + last[place] + rounding
+    cuts = first[cut] + last[cut] + rounding
     at, gap, free = int(np.argmin(cuts)), 0, 2 * n - 9
     if scipy.special.fdtrc(5, free, max(whole / cuts[at] - 1.0, 0.0) * free / 5) > CUT:
         return [slice(begin, begin + n)]
-    if place.size > 1:  # the frame of the impact, in which the sphere turns, may be of neither
-        blurred = first[place[:-1]] + last[place[1:]] + rounding
+    if cut.size > 1:  # the frame of the impact, in which the sphere turns, may be of neither
+        blurred = first[cut[:-1]] + last[cut[1:]] + rounding
         out = int(np.argmin(blurred))
         excess = max(cuts[at] / blurred[out] - 1.0, 0.0) * (free - 2) / 2
         if scipy.special.fdtrc(2, free - 2, excess) < BLUR:
             at, gap = out, 1
-    k = int(place[at])
+    k = int(cut[at])
     after = k + gap
     start, end = time[k - 1], time[after]
     legs = [fit_path(points[of], time[of] - zero, pull).velocity
@@ -339,8 +347,8 @@ class _Legs:
         """Covariance of place and velocity of each component for unit noise, (k, 2, 2)."""
         share = self.used / self.used.sum(axis=1, keepdims=True)
         weights = self.path.weights
-        place = share - weights * np.sum(share * self.time, axis=1, keepdims=True)
-        both = np.stack([place, weights], axis=1)
+        position = share - weights * np.sum(share * self.time, axis=1, keepdims=True)
+        both = np.stack([position, weights], axis=1)
         return np.asarray(both @ np.swapaxes(both, 1, 2))
 
 
@@ -372,7 +380,7 @@ def _impacts(
     zero = gap.mean(axis=1)
     incident = _legs(time, points, before, zero, pull)
     rebound = _legs(time, points, after, zero, pull)
-    direction, found = (
+    direction, uncertainty = (
         _wall(incident, rebound) if wall == "find" else (float(checked("wall", wall)), 0.0)
     )
     frame = _frames(incident, direction)
@@ -380,7 +388,7 @@ def _impacts(
     straight = [
         replace(leg, path=fit_path(leg.path.points, leg.time, 0.0, leg.used)) for leg in legs
     ]
-    turn = float(np.hypot(tilt, found))
+    turn = float(np.hypot(tilt, uncertainty))
     noise, rough = _noise([*legs, straight[1]], frame, pull * np.radians(turn))
     # At rest, or on its way along the wall: no path under gravity is much closer.
     still = np.abs(_turn(frame, straight[1].path.velocity)[:, 1])
@@ -402,9 +410,10 @@ def _impacts(
     def met(angle: float) -> _Meeting:
         """How the flights meet if the picture is turned by an angle, degrees."""
         sine, cosine = np.sin(np.radians(angle)), np.cos(np.radians(angle))
-        place, slope = np.moveaxis(flat @ [[cosine, sine], [-sine, cosine]] + bent, 2, 0)
+        position, slope = np.moveaxis(flat @ [[cosine, sine], [-sine, cosine]] + bent, 2, 0)
         of_legs = (
-            np.stack([_turn(frame, of[:, leg]) for leg in (0, 1)], axis=1) for of in (place, slope)
+            np.stack([_turn(frame, of[:, leg]) for leg in (0, 1)], axis=1)
+            for of in (position, slope)
         )
         return _meet(next(of_legs), next(of_legs), fall, variance)
 
@@ -438,9 +447,11 @@ def _fall(legs: Sequence[_Legs], resting: BoolArray) -> tuple[FloatArray, FloatA
         bend, off = leg.bend() * flies[:, None], leg.residuals()[..., 1]
         moment, inertia = np.sum(bend * off, axis=1), np.sum(bend**2, axis=1)
         total, information = total + moment, information + inertia
-        some = flies & (inertia > 0.0)
-        squares += float(np.sum(np.sum(off**2, axis=1)[some] - moment[some] ** 2 / inertia[some]))
-        free += float(np.sum(leg.used[some])) - 3.0 * np.count_nonzero(some)
+        telling = flies & (inertia > 0.0)
+        squares += float(
+            np.sum(np.sum(off**2, axis=1)[telling] - moment[telling] ** 2 / inertia[telling])
+        )
+        free += float(np.sum(leg.used[telling])) - 3.0 * np.count_nonzero(telling)
     with np.errstate(divide="ignore", invalid="ignore"):
         noise = np.sqrt(np.divide(max(squares, 0.0), free)) if free else np.inf
         return legs[0].path.gravity - total / information, noise / np.sqrt(information)
@@ -467,9 +478,9 @@ def _frames(incident: _Legs, direction: float) -> FloatArray:
 
 def _wall(incident: _Legs, rebound: _Legs) -> tuple[float, float]:
     """Direction of the line on which flights meet, and its standard deviation, degrees."""
-    place = rebound.path.origin - incident.path.origin
+    shift = rebound.path.origin - incident.path.origin
     slope = rebound.path.velocity - incident.path.velocity
-    contact = -np.sum(place * slope, axis=1) / np.sum(slope**2, axis=1)
+    contact = -np.sum(shift * slope, axis=1) / np.sum(slope**2, axis=1)
     kinks = incident.path.at(contact)
     size, axes = np.zeros(2), np.eye(2)
     for _ in range(3):  # without those far off, which are of no wall
@@ -540,19 +551,21 @@ class _Meeting:
     error: FloatArray
 
 
-def _meet(place: FloatArray, slope: FloatArray, fall: FloatArray, variance: FloatArray) -> _Meeting:
+def _meet(
+    position: FloatArray, slope: FloatArray, fall: FloatArray, variance: FloatArray
+) -> _Meeting:
     """Let the flights meet.
 
     Parameters
     ----------
-    place, slope
+    position, slope
         At the time 0, by leg and component, (k, 2, 2).
     fall
         Acceleration of both, (k, 2).
     variance
         Covariance of place and slope by leg and component, (k, 2, 2, 2, 2).
     """
-    apart, change = place[:, 1] - place[:, 0], slope[:, 1] - slope[:, 0]
+    apart, change = position[:, 1] - position[:, 0], slope[:, 1] - slope[:, 0]
     square = np.maximum(np.sum(change**2, axis=1), np.finfo(float).tiny)
     contact = -np.sum(apart * change, axis=1) / square
     # Derivatives of the contact's time by places and slopes of the rebound; the others' are less.
@@ -605,7 +618,7 @@ def _reasons(
     errors: tuple[FloatArray, FloatArray],
     resting: BoolArray,
     unknown: FloatArray,
-) -> NDArray[np.object_]:
+) -> ObjectArray:
     """Say why impacts cannot be used, in words, (k,)."""
     before, after = velocities[:, 0, 1], velocities[:, 1, 1]
     reasons = np.full(len(before), "", dtype=object)
@@ -736,7 +749,7 @@ def _normal(
     sigma_v: FloatArray,
     d: ArrayLike,
     captured: BoolArray,
-    reason: NDArray[np.object_],
+    reason: ObjectArray,
 ) -> Reduced:
     """Rows of normal impacts."""
     velocities = Measured.of_normal(np.arange(v.size), np.stack([-v, V], axis=-1)).velocities

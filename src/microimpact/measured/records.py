@@ -133,11 +133,11 @@ def read_records(
     table = read_table(source, COLUMNS, units={PLACES: size_unit}, **reading)
     options = {"fps": fps, "um_per_px": um_per_px, "wall": wall, "tilt": tilt, "gravity": gravity}
     options |= {"y": y, "drag": drag, "sigma_h": sigma_h, "sigma_t": sigma_t}
-    given = {name: value for name, value in options.items() if value is not None}
+    settings = {name: value for name, value in options.items() if value is not None}
     kind = _kind(table)
-    if excess := [name for name in given if name not in OPTIONS[kind]]:
+    if excess := [name for name in settings if name not in OPTIONS[kind]]:
         raise ValueError(f"{table.name} holds {kind}; leave out {', '.join(map(_flag, excess))}")
-    _check(given)
+    _check(settings)
     notes = []
     if table.ignored:
         notes.append(f"{table.name}: columns not used: {', '.join(map(repr, table.ignored))}")
@@ -155,7 +155,7 @@ def read_records(
     names = [cell for cell, kept in zip(table.cells["track"], rows, strict=True) if kept] if (
         "track" in table.cells) else None  # fmt: skip
     if kind == "tracks":
-        reduced = _tracks(table, numbers | lengths, names, np.flatnonzero(rows), given, notes)
+        reduced = _tracks(table, numbers | lengths, names, np.flatnonzero(rows), settings, notes)
     elif kind == "heights":
         size = lengths.get("d", np.nan)
         if drag is not None and not np.all(size > 0.0):
@@ -189,17 +189,19 @@ def _flag(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-def _check(given: Mapping[str, Any]) -> None:
+def _check(settings: Mapping[str, Any]) -> None:
     """Raise ValueError for an option out of range."""
     for name, allowed in DIRECTIONS.items():
-        if name in given and given[name] not in allowed:
-            raise ValueError(f"{_flag(name)} must be {' or '.join(allowed)}, got {given[name]!r}")
+        if name in settings and settings[name] not in allowed:
+            raise ValueError(
+                f"{_flag(name)} must be {' or '.join(allowed)}, got {settings[name]!r}"
+            )
     for name in ("fps", "um_per_px", "drag"):
-        if name in given:
-            checked(_flag(name), given[name], Range(lower=0.0))
+        if name in settings:
+            checked(_flag(name), settings[name], Range(lower=0.0))
     for name in ("tilt", "sigma_h", "sigma_t"):
-        if name in given:
-            checked(_flag(name), given[name], Range(lower=0.0, lower_closed=True))
+        if name in settings:
+            checked(_flag(name), settings[name], Range(lower=0.0, lower_closed=True))
 
 
 def _lengths(
@@ -229,11 +231,11 @@ def _tracks(
     numbers: Mapping[str, FloatArray],
     names: list[str] | None,
     row: Any,
-    given: Mapping[str, Any],
+    settings: Mapping[str, Any],
     notes: list[str],
 ) -> Reduced:
     """Reduce the tracks, and add notes on them."""
-    fps = given.get("fps")
+    fps = settings.get("fps")
     if fps is None and "t" not in numbers:
         raise ValueError(f"{table.name}: without a column t give --fps")
     if fps is None:
@@ -245,17 +247,17 @@ def _tracks(
     else:
         time = row / fps
         notes.append(f"{table.name}: no column of frames; each row is taken for the next frame")
-    sign = 1.0 if given.get("y") == "up" else -1.0
-    if "wall" not in given:
+    sign = 1.0 if settings.get("y") == "up" else -1.0
+    if "wall" not in settings:
         raise ValueError("give --wall: an angle in degrees, 'x1,y1,x2,y2' or find")
     reduced = reduce_tracks(
         *(time, numbers["x"], sign * numbers["y"], names),
-        wall=_wall(given["wall"], sign),
+        wall=_wall(settings["wall"], sign),
         diameter=numbers.get("d", np.nan),
-        tilt=given.get("tilt", 0.0),
-        with_gravity=given.get("gravity") != "none",
+        tilt=settings.get("tilt", 0.0),
+        with_gravity=settings.get("gravity") != "none",
     )
-    notes += _doubt(reduced, 0.0 if given.get("gravity") == "none" else gravity)
+    notes += _doubt(reduced, 0.0 if settings.get("gravity") == "none" else gravity)
     return reduced
 
 

@@ -68,7 +68,7 @@ def rolling_is_negligible(y: Curves) -> Stated:
     height_mm=75.0,
 )
 def draw_rolling(sheet: Sheet) -> None:
-    """Moment of rolling over that of friction: the range over all contacts and speeds."""
+    """Range over all contacts and speeds of the moment of rolling over that of friction."""
     (ax,) = sheet.panels(**OVER_ANGLE, yscale="log", ylim=(0.0002, 20.0))
     ax.set_ylabel("Moment of rolling over that of friction")
     (table,) = sheet.tables.values()
