@@ -141,9 +141,9 @@ def bare(hint: Any) -> Any:
 
 def _arguments(hint: Any) -> tuple[list[Any], bool]:
     """Return the types that make up a type, and whether it is a union of these."""
-    of = bare(hint)
-    arguments = [a for a in typing.get_args(of) if a is not Ellipsis and a is not types.NoneType]
-    return arguments, typing.get_origin(of) in {typing.Union, types.UnionType}
+    plain = bare(hint)
+    arguments = [a for a in typing.get_args(plain) if a is not Ellipsis and a is not types.NoneType]
+    return arguments, typing.get_origin(plain) in {typing.Union, types.UnionType}
 
 
 @cache
@@ -168,8 +168,8 @@ def kinds(hint: Any) -> dict[object, type]:
 def fields(hint: Any, kind: object = None) -> dict[str, Any]:
     """Return the types of the fields, of the dataclass of that kind if there are several."""
     several = classes(hint)
-    one = several[0] if len(several) == 1 else kinds(hint).get(kind)
-    return typing.get_type_hints(one, include_extras=True) if one else {}
+    cls = several[0] if len(several) == 1 else kinds(hint).get(kind)
+    return typing.get_type_hints(cls, include_extras=True) if cls else {}
 
 
 @cache

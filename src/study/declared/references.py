@@ -182,9 +182,9 @@ class Resolver:
             for name, child in node.items()
         }
 
-    def _alias(self, key: str, place: str) -> None:
-        if place not in {"", key}:
-            self.aliases[key] = place
+    def _alias(self, key: str, target: str) -> None:
+        if target not in {"", key}:
+            self.aliases[key] = target
 
     def _seed(self, hint: Any, key: str) -> Any:
         """Return the seed of an analysis without its own, from the root seed and a name."""
@@ -202,17 +202,17 @@ class Resolver:
         """Return the field of a reference that bears its key, or those that a kind has."""
         if not isinstance(node, _Reference):
             return node
-        found, field = self._named(node), key.rpartition(".")[2]
-        if isinstance(found, dict) and field in found:
-            found = self._wanted(kind, found[field], key)
-        elif isinstance(found, dict):
-            known = fields(kind, _tag(found))
-            chosen = {name: child for name, child in found.items() if name in known}
+        target, field = self._named(node), key.rpartition(".")[2]
+        if isinstance(target, dict) and field in target:
+            target = self._wanted(kind, target[field], key)
+        elif isinstance(target, dict):
+            known = fields(kind, _tag(target))
+            chosen = {name: child for name, child in target.items() if name in known}
             if not chosen:
-                line = f"no {field} in {' or '.join(node.places)}{nearest(field, found)}"
+                line = f"no {field} in {' or '.join(node.places)}{nearest(field, target)}"
                 raise _FaultyError(node.key, line)
-            found = chosen
-        return self._overlaid(found, node.beside)
+            target = chosen
+        return self._overlaid(target, node.beside)
 
     def _named(self, node: _Reference, opened: tuple[str, ...] = ()) -> Any:
         """Return the target of a reference: several mappings merged, the first goes before."""

@@ -214,8 +214,8 @@ def _draw_panel(ax: Axes, rows: pd.DataFrame, looks: Mapping[str, Series], *, ha
             worth = points["word"].isin(NAMED if half else FACTORS) | (size >= min(limit, least))
             # To the side where the other response is not.
             others = shown[~is_margin & (shown["response"] != response)]
-            other = others.drop_duplicates("label").set_index("label")[x].abs()
-            leftward = points[x].abs() < points["label"].map(other)
+            size = others.drop_duplicates("label").set_index("label")[x].abs()
+            leftward = points[x].abs() < points["label"].map(size)
             left = leftward if half else points[x] < 0.0
             _label(ax, points[worth].assign(left=left), (x, y), colour, wide=half)
 

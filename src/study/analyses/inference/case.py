@@ -86,7 +86,7 @@ class Law:
         return float(np.log(value / low) / np.log(high / low))
 
     def log_prior(self, scenario: Scenario, values: Values) -> FloatArray:
-        """Logarithm of the prior density of a scenario over that of the whole ranges (n,).
+        """Logarithm of the prior density in a scenario, relative to the whole ranges (n,).
 
         -inf beyond the ranges of the scenario; a parameter that the law lacks does not count.
         """
@@ -104,7 +104,7 @@ class Law:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario:
-    """Statements that do not count, and what is otherwise than the laws have it.
+    """Statements that do not count, and departures from the laws.
 
     Given as a choice, what it does not name is as in the first scenario.
     """
@@ -233,8 +233,8 @@ class Judged:
 
         The mean over the error of the normal; one that is open is averaged over its angles first.
         """
-        other = self.case.statements[name].same_normal_as or ""
-        both = other, name
+        first = self.case.statements[name].same_normal_as or ""
+        both = first, name
         key = (both, *map(scenario.intervals.get, both), scenario.tails, scenario.angle_error_deg)
         if key not in self._logs:
             error = self.case.normal_error(scenario)
@@ -244,9 +244,9 @@ class Judged:
                 for each in both:
                     value, interval, tails, _ = self.arguments(scenario, each)
                     value = value + turn * self.values[SHARED + each]
-                    own = error * self.values[OWN + each]
+                    spread = error * self.values[OWN + each]
                     statement = self.case.statements[each]
-                    logs.append(statement.log_likelihood(value, interval, tails, own))
+                    logs.append(statement.log_likelihood(value, interval, tails, spread))
                 parts.append(log_mean(logs[0])[:, None] + logs[1])
             weights = np.exp(-0.5 * TURNS**2)[:, None, None]
             mean = scipy.special.logsumexp(np.array(parts), axis=0, b=weights / weights.sum())

@@ -289,7 +289,7 @@ def quantities(case: Case, weighed: Weighed) -> tuple[str, ...]:
 def quantiles(
     head: Row, values: Mapping[str, FloatArray], weights: FloatArray, likelihoods: FloatArray
 ) -> list[Row]:
-    """Return a row per quantity: quantiles of a weighted sample, and ends of what is likely.
+    """Return quantiles of a weighted sample by quantity, and ends of the likelihood.
 
     The latter are the ends of the values whose log likelihood, the greatest of all contacts with
     them (profile), is within `LIKELY` of the greatest of all.

@@ -62,7 +62,7 @@ def intervals(case: Case, summary: pd.DataFrame) -> Tables:
 
 
 def overview(case: Case, summary: pd.DataFrame) -> pd.DataFrame:
-    """Return the capture velocity in a few lines: what is printed, then over all laws by scenario.
+    """Return the capture velocity as printed, then over all laws by scenario.
 
     A printed value of another size is at that of the case, by the exponent of the first scenario.
     Where the likelihood does not fall towards rest, there is an upper bound and no middle.

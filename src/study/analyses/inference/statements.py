@@ -148,8 +148,8 @@ class Statement:
         """
         changes = self._turned(of_impacts, rates)
         shared = len(changes) if self.is_open else 1
-        own = np.sqrt(np.sum(np.square(changes[shared:]), axis=0))
-        return np.stack([np.sum(changes[:shared], axis=0), own])
+        separate = np.sqrt(np.sum(np.square(changes[shared:]), axis=0))
+        return np.stack([np.sum(changes[:shared], axis=0), separate])
 
     def _turned(self, of_impacts: FloatArray, rates: FloatArray) -> FloatArray:
         value, turned = self.value(of_impacts), np.eye(of_impacts.shape[-2])[:, :, None] * TURN

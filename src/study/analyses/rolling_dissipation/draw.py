@@ -24,7 +24,7 @@ ESTIMATES: dict[str, tuple[str, str, dict[str, Any]]] = {
 
 def rolling_is_negligible(y: Curves) -> Stated:
     """Both estimates of an impact stay below the limit, the bound above."""
-    of = {
+    curves = {
         panel: [
             y(f"steel-silicon, n = {n}, {v} m/s", panel)
             for n in (0, 1)
@@ -33,8 +33,8 @@ def rolling_is_negligible(y: Curves) -> Stated:
         for panel in ("bound", "impact", "damping")
     }
     limit = y("negligible", "bound").iloc[0]
-    most = max(curve.max() for curve in (*of["impact"], *of["damping"]))
-    return stated(most < limit < min(map(min, of["bound"])), most=100.0 * most)
+    most = max(curve.max() for curve in (*curves["impact"], *curves["damping"]))
+    return stated(most < limit < min(map(min, curves["bound"])), most=100.0 * most)
 
 
 @Figure(
@@ -68,7 +68,7 @@ def rolling_is_negligible(y: Curves) -> Stated:
     height_mm=75.0,
 )
 def draw_rolling(sheet: Sheet) -> None:
-    """Range over all contacts and speeds of the moment of rolling over that of friction."""
+    """Moment of rolling, relative to friction: range over contacts and speeds."""
     (ax,) = sheet.panels(**OVER_ANGLE, yscale="log", ylim=(0.0002, 20.0))
     ax.set_ylabel("Moment of rolling over that of friction")
     (table,) = sheet.tables.values()
@@ -81,7 +81,7 @@ def draw_rolling(sheet: Sheet) -> None:
         is_below = "hatch" in look
         at = 40.0, float(np.interp(40.0, ends.index, ends["min" if is_below else "max"]))
         gap, va = ((0, -4), "top") if is_below else ((0, 4), "bottom")
-        place: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": va}
-        ax.annotate(words, at, gap, color=colour, **place)
+        style: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": va}
+        ax.annotate(words, at, gap, color=colour, **style)
     ax.axhline(limit, color="black", linestyle="dashed")
     ax.annotate("negligible below", (5.0, limit), (0, 3), textcoords="offset points")

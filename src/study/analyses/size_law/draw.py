@@ -33,7 +33,7 @@ COMPARED = {
 
 
 def rebounds_decide(y: Curves) -> Stated:
-    """At the best size of the larger sieve the hardest pair of laws is told apart."""
+    """At the best size of the larger sieve the hardest pair of laws is separated."""
     import pandas as pd
 
     needed = pd.concat([y(f"{laws}, from 1.2 v_c") for laws in COMPARED], axis=1).max(axis=1)
