@@ -11,8 +11,8 @@ from study.figures.declaration import Figure, stated
 
 # The small run of the references has no events at the shallow angles that these are about.
 OF_SHALLOW_ANGLES = {"fig06", "fig07", "fig11", "fig12", "causes"}
-# Effects, works of adhesion, angles and slopes are abscissae.
-OF_ABSCISSAE = {"fig24_25_doe", "calibration", "campaign", "roughness_expansions"}
+# Effects, works of adhesion, velocities, angles and slopes are abscissae.
+OF_ABSCISSAE = {"fig24_25_doe", "calibration", "campaign", "inference", "roughness_expansions"}
 # All ordinates; in another unit than one, above what the sentence calls few.
 FLAT = {"coverage_of_means": 100.0, "capture_by_size": 1e4}
 CHECKED = [name for name, figure in SPECS.items() if figure.holds]
@@ -34,7 +34,7 @@ def test_data_of_the_reference_bear_each_finding(name):
 def test_flat_curves_bear_no_finding(name):
     figure = SPECS[name]
     flat = {
-        key: table.assign(**{table.columns[4]: FLAT.get(name, 1.0)})
+        key: table.assign(**dict.fromkeys(table.columns[4:7], FLAT.get(name, 1.0)))
         for key, table in tables_of(figure).items()
     }
     if figure.analysis in OF_ABSCISSAE:

@@ -74,10 +74,10 @@ def test_claims_are_filtered_by_verdict_and_text_and_a_link_shows_its_row(show):
     assert {cells[3].splitlines()[0].strip() for cells in failed} == {"not reproduced"}
     status = chromium.find_element("css selector", ".filter [role=status]")
     assert status.text == f"{len(failed)} of {len(every)} claims shown"
-    chromium.find_element("css selector", ".filter input[type=search]").send_keys("FRICTION")
+    chromium.find_element("css selector", ".filter input[type=search]").send_keys("DROP HEIGHT")
     left = shown(chromium)
     assert 0 < len(left) < len(failed) < len(every)
-    assert all("friction" in " ".join(cells).lower() for cells in left)
+    assert all("drop height" in " ".join(cells).lower() for cells in left)
     chromium.execute_script("location.hash = 'C19'")
     chromium.execute_async_script("setTimeout(arguments[0], 50)")
     assert chromium.find_element("id", "C19").is_displayed()

@@ -24,8 +24,8 @@ EDGES = {
     "m = 0.25": Series("$m$ = 0.25", 1, line="dashed"),
     "m = 0.5": Series("$m$ = 0.5", 2, line="dashdot"),
     "m = 0.75": Series("$m$ = 0.75", 3, line="dotted"),
-    "m = 0.96": Series("$m$ = 0.96", 4),
-    "m = 1.25": Series("$m$ = 1.25", 5, line="dashed"),
+    "m = 0.96": Series("$m$ = 0.96", 4, thin=True),
+    "m = 1.25": Series("$m$ = 1.25", 5, line="dashed", thin=True),
     "as printed": Series("as printed", 6),
     "roughly constant": Series("roughly constant below", 6, line="dashed", beside=0.017),
 }

@@ -137,14 +137,15 @@ def draw_capture_velocity_summary(sheet: Sheet) -> None:
         colour = "black" if row["evidence"] == "printed" else "C0"
         look: dict[str, Any] = {"color": colour, "linewidth": 2.0, "solid_capstyle": "butt"}
         if low > 0.0:
-            ax.plot([low, high], [y, y], **look)
-            ax.plot(middle, y, marker="D" if colour == "black" else "o", markersize=4.0, **look)
+            mark: dict[str, Any] = {"marker": "D" if colour == "black" else "o", "markersize": 4.0}
+            ax.plot([low, middle, high], [y, y, y], markevery=[1], **mark, **look)
             words = f"{low:.2g} to {high:.2g}" if high > 1.1 * low else f"{middle:.2g}"
         else:
             ax.annotate("", (0.0, y), (high, y), arrowprops={"arrowstyle": "->", "color": colour})
             ax.plot(high, y, marker="|", markersize=8.0, **look)
             words = f"at most {high:.2g}"
-        ax.annotate(words, (high, y), (6, 0), textcoords="offset points", va="center")
+        place: dict[str, Any] = {"textcoords": "offset points", "va": "center"}
+        ax.annotate(words, (high, y), (4, 0), color=colour, **place)
     ax.set_yticks(range(len(lines)), [OVERVIEW[name] for name in lines])
     ax.yaxis.set_minor_locator(NullLocator())
     ax.set_ylim(len(lines) - 0.4, -0.6)

@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from study.figures.declaration import Figure, Series, stated
+from study.figures.declaration import (
+    MEASURED_IMPULSE_RATIO,
+    MEASURED_RESTITUTION,
+    Figure,
+    Series,
+    stated,
+)
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -77,8 +83,8 @@ def draw_roughness(sheet: Sheet) -> None:
     limits = ((-9.0, 20.0), (-1.5, 6.5)), ((-20.0, 20.0), (0.5, 0.72)), ((-20.0, 20.0), (-0.4, 0.4))
     *restitution, ratio = axes
     for ax, (xlim, ylim) in zip(axes, limits, strict=True):
-        ax.set(xlim=xlim, ylim=ylim, ylabel="Measured restitution $e_m$")
-    ratio.set_ylabel(r"Measured impulse ratio $-\mu_m$")
+        ax.set(xlim=xlim, ylim=ylim, ylabel=MEASURED_RESTITUTION)
+    ratio.set_ylabel(MEASURED_IMPULSE_RATIO)
     for ax in axes:
         for form, (words, height, colour) in BARS.items():
             ends = sheet.take(ax, f"range {form}").iloc[:, 3]

@@ -134,7 +134,7 @@ SPEED = np.array([0.05, 0.2, 1.66, 20.0])
 
 
 @pytest.mark.parametrize("viscous_time", [0.0, 2e-9])
-@pytest.mark.parametrize("exponent", [0.3, 1.0, 2.0])
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
 def test_a_fast_edge_is_that_of_jkr(build, exponent, viscous_time):
     jkr = build(JKR(viscous_time=viscous_time), 1.0)
     # The break is late by the power 2/(2 + m) of what the edge adds to the work.
@@ -183,7 +183,7 @@ def test_three_groups_make_an_impact(build, steel, silicon):
     )
 
 
-@pytest.mark.parametrize("exponent", [0.25, 0.5, 0.96, 1.5])
+@pytest.mark.parametrize("exponent", [0.35, 0.5, 0.96, 1.5])
 def test_slow_edges_have_one_power_of_the_size_and_one_curve(build, exponent):
     """v_c ~ d^(-1/(1.2 - 0.6 m)), and e by v/v_c alone, where w/w_0 is large."""
     work = 1e-10
