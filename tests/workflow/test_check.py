@@ -92,11 +92,11 @@ def test_each_small_change_is_seen_in_its_figures_and_tables_alone(checked):
         for kind in ("Tables", "Data", "Figures")
     )
     doppler = {"correction_curves", "doppler_stream", "pairing_curves"}
-    assert data | figures == {"fig14", "fig17", "fig20", "posterior_bands", *doppler} | {
-        "doppler_pairs"
-    }
+    seen = {"fig14", "fig17", "fig20", "doppler_pairs", *doppler}
+    # Bands of posterior contacts may move by less than their tolerance.
+    assert seen <= data | figures <= seen | {"posterior_bands"}
     assert "config, fig14_restitution_trends.body_speed_m_per_s" in done.stdout
-    assert re.search(r"\| value +\| 30 +\| 30\.03 +\| 1\.0e-03 +\|", done.stdout)
+    assert re.search(r"body_speed_m_per_s.*value.*30 -> 30\.03", done.stdout)
     calibrated = {"calibration", "force_ratios", "molybdenum_capture"}
     admitted = {"posterior_contacts", "evidence_statements", "evidence_summary"}
     moved = {"inputs", "pairing_quality", *calibrated, *admitted}
