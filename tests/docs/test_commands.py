@@ -51,6 +51,7 @@ PROGRAMS = {
 def shell(request, tmp_path_factory):
     """Run a block in the copy; files of earlier blocks are there."""
     root = copied(tmp_path_factory.mktemp("documented")).root
+    shutil.copytree(ROOT / "docs/examples", root / "docs/examples")
     if request.param == "after a run":
         shutil.copytree(request.getfixturevalue("built") / "build/ci", root / "results")
         record = json.loads((root / "results" / RECORD).read_text())
