@@ -144,8 +144,8 @@ def draw_capture_velocity_summary(sheet: Sheet) -> None:
             ax.annotate("", (0.0, y), (high, y), arrowprops={"arrowstyle": "->", "color": colour})
             ax.plot(high, y, marker="|", markersize=8.0, **look)
             words = f"at most {high:.2g}"
-        place: dict[str, Any] = {"textcoords": "offset points", "va": "center"}
-        ax.annotate(words, (high, y), (4, 0), color=colour, **place)
+        offset: dict[str, Any] = {"textcoords": "offset points", "va": "center"}
+        ax.annotate(words, (high, y), (4, 0), color=colour, **offset)
     ax.set_yticks(range(len(lines)), [OVERVIEW[name] for name in lines])
     ax.yaxis.set_minor_locator(NullLocator())
     ax.set_ylim(len(lines) - 0.4, -0.6)

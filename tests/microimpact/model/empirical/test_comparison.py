@@ -241,7 +241,7 @@ def test_a_stray_row_is_named(sigma, low):
     [
         ([1.0], [0.5], "at least 5 points"),
         (np.arange(1, 9), np.zeros(8), "no sphere rebounds"),
-        (np.arange(1, 9), np.full(8, 1.1), r"in \[0, 1.03\], got 1.1"),
+        (np.arange(1, 9), np.full(8, 1.1), r"in \[0, 1.06\], got 1.1"),
         (np.arange(1, 9), np.full(7, 0.5), "of one shape"),
         (np.ones(8), np.full(8, 0.5), "at least 4 different speeds"),
         (-np.arange(1, 9), np.full(8, 0.5), "v must be"),
