@@ -33,7 +33,7 @@ def test_the_bytes_are_those_of_one_core(tmp_path):
     jobs = [line.strip() for line in jobs.splitlines()]
     assert {job.partition("|")[2] for job in jobs} == {"COMPLETED"}
     rules = [job.removeprefix("rule_").partition("_wildcards")[0] for job in jobs]
-    assert rules.count("monte_carlo_part") == PARTS
+    assert rules.count("fig23_monte_carlo_part") == PARTS
     assert message.count("has been submitted with SLURM jobid") == len(jobs)
     results = project.results()
     assert {"data/fig23.csv", "figures/fig20.png"} <= set(results)
