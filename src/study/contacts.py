@@ -16,6 +16,7 @@ from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact, resized
 from microimpact.model.contact_laws import (
     JKR,
+    PARAMETERS,
     ContactLaw,
     Hysteresis,
     MaugisBarquins,
@@ -38,6 +39,8 @@ DRAWN = {
 }
 
 
+# Parameters of the laws that a case may have in place of the ring force.
+LAW_PARAMETERS = {"viscous_time": "s", "yield_pressure": "Pa"}
 # Laws of contact.
 Kind = Literal["ring force", "jkr", "thornton-ning", "hysteresis", "maugis-barquins"]
 # Printed numbers have two or three digits.
@@ -243,7 +246,10 @@ def calibrated_contact(inputs: Tables, case: str, **changes: Any) -> Contact:
         return declared_contact(inputs, *case.split(" on "), **changes)
     if rows.empty:
         raise ValueError(f"no calibrated case {case!r}{nearest(case, set(table['case']))}")
-    fields = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
+    fields: dict[str, Any] = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
+    for name in LAW_PARAMETERS:
+        if name in fields:
+            fields["law"] = PARAMETERS[name](**{name: fields.pop(name)})
     return _of_rows(inputs, rows, fields).replace(**changes)
 
 

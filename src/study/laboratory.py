@@ -19,6 +19,7 @@ from microimpact.statistics.distributions import Distribution, mean
 from study.declared.parameters import (
     AngleDegrees,
     CaseName,
+    FittedLaw,
     Fraction,
     MaterialName,
     Name,
@@ -98,6 +99,8 @@ class Case:
     capture_velocity_m_per_s: Positive | None = None
     rate_exponent: NonNegative | None = None
     work_of_adhesion_J_per_m2: Positive | None = None  # noqa: N815
+    damping_fitted_at_J_per_m2: Positive | None = None  # noqa: N815
+    law: FittedLaw | None = None
     adhesion_over_hertz: Positive | None = None
     dissipation_over_adhesion: Positive | None = None
 

@@ -17,6 +17,7 @@ from microimpact.core.arrays import POSITIVE, BoolArray, Range, Real, checked, c
 from microimpact.core.computable import NotComputable
 from microimpact.core.solve import root, threshold
 from microimpact.model.contact import Contact
+from microimpact.model.contact_laws import JKR, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity, scaled_capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
@@ -27,6 +28,9 @@ MOST_TURNS = 200
 TOLERANCE = 1e-10
 # Relative error of each root.
 ROOT_TOLERANCE = 1e-13
+
+# Viscous times, s, and inverse yield pressures, 1/Pa, looked through.
+LOSSES = {JKR.name: (1e-14, 1e-6), ThorntonNing.name: (1e-13, 1e-6)}
 
 # Damping per 1/speed beyond which nothing rebounds any more.
 LARGEST_DAMPING = 1e3
@@ -228,6 +232,48 @@ def work_of_adhesion_for(contact: Contact, capture_speed: float) -> Contact:
             f"no work of adhesion up to 1000 J/m2 gives a capture velocity of {capture_speed:g} m/s"
         )
     return contact.replace(work_of_adhesion=_falling_root(shortfall, 1e3))
+
+
+def law_for(
+    contact: Contact, law: type[JKR | ThorntonNing], speed: float, restitution: float, limit: float
+) -> Contact:
+    """Choose w_A and the loss of a law of contact to meet a restitution and a capture velocity.
+
+    Parameters
+    ----------
+    contact
+        The bodies, and where the search for w_A begins.
+    law
+        `JKR`, whose viscous time is chosen, or `ThorntonNing`, whose yield pressure is.
+    speed
+        Normal speed, m/s.
+    restitution
+        Coefficient of restitution to be met there.
+    limit
+        Capture velocity, m/s.
+
+    Raises
+    ------
+    NoSolutionError
+        If restitution is below the target even without that loss, or no loss lowers it so far.
+    """
+
+    def with_loss(loss: float) -> Contact:
+        chosen = JKR(viscous_time=loss) if law is JKR else ThorntonNing(yield_pressure=1.0 / loss)
+        return work_of_adhesion_for(contact.by_law(chosen, float(contact.work_of_adhesion)), limit)
+
+    def excess(logarithm: float) -> float:
+        e = normal_impact(with_loss(np.exp(logarithm)), speed).coefficient_of_restitution
+        return float(e) - restitution
+
+    least, greatest = np.log(LOSSES[law.name])
+    if excess(least) < 0.0 or excess(greatest) > 0.0:
+        raise NoSolutionError(
+            f"{law.name}: e at {speed:g} m/s is {excess(least) + restitution:.4g} with hardly any"
+            f" loss and {excess(greatest) + restitution:.4g} with a large one, the target"
+            f" {restitution:g}"
+        )
+    return with_loss(np.exp(root(excess, least, greatest, relative=ROOT_TOLERANCE)))
 
 
 def dissipation_ratio_for(contact: Contact, speed: float, ratio: float) -> Contact:

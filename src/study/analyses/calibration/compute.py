@@ -21,21 +21,25 @@ from microimpact.model.calibration import (
     damping_factor_for,
     dissipation_ratio_for,
     hertz_damping_for_adhesion_ratio,
+    law_for,
     peak_ratios,
     two_stage,
     work_of_adhesion_for,
 )
 from microimpact.model.contact import Contact, resized
+from microimpact.model.contact_laws import JKR, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from study.contacts import (
     CAPTURE_VELOCITIES,
+    LAW_PARAMETERS,
     declared_contact,
     printed_capture_velocity,
 )
 from study.declared.parameters import (
     CaseName,
     CounterpartName,
+    FittedLaw,
     Fraction,
     MaterialName,
     NonNegative,
@@ -52,14 +56,29 @@ from study.tables import (
 )
 
 PRINTED_VALUES = CAPTURE_VELOCITIES
+FITTED_LAWS: dict[str, type[JKR | ThorntonNing]] = {
+    law.name: law for law in (JKR, ThorntonNing)
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Member:
-    """A case of the family: one work of adhesion and one rate exponent."""
+    """A case of the family: one work of adhesion and one rate exponent.
+
+    The damping is fitted at another work of adhesion if one is named, and stays what it is, as in
+    other air. Another law takes the place of the ring force; its work of adhesion and its loss are
+    fitted to the same targets.
+    """
 
     rate_exponent: NonNegative
     work_of_adhesion_J_per_m2: Positive  # noqa: N815
+    damping_fitted_at_J_per_m2: Positive | None = None  # noqa: N815
+    law: FittedLaw | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a work of adhesion beside a law that has its own."""
+        if self.law and self.damping_fitted_at_J_per_m2:
+            raise ValueError("law: has its own work of adhesion: leave damping_fitted_at_J_per_m2")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -353,7 +372,14 @@ def _cases(params: Params, known: Known, inputs: Tables) -> Iterator[Attempt]:
     bare = bare_contact(targets, inputs)
 
     def member(each: Member) -> Solution:
-        contact = solved(bare, targets.aims, each.rate_exponent, each.work_of_adhesion_J_per_m2)
+        work = each.work_of_adhesion_J_per_m2
+        if each.law:
+            law = FITTED_LAWS[each.law]
+            contact = law_for(bare.replace(work_of_adhesion=work), law, *targets.aims)
+        else:
+            fitted_at = each.damping_fitted_at_J_per_m2 or work
+            contact = solved(bare, targets.aims, each.rate_exponent, fitted_at)
+            contact = contact.replace(work_of_adhesion=work)
         e = _restitution(contact, targets.speed_m_per_s, targets.restitution)
         return contact, e | _capture(contact, targets.capture_velocity_m_per_s)
 
@@ -406,10 +432,13 @@ def _at_corner(ratios: ForceRatios, corner: Callable[[], Contact]) -> Solution:
 def _case_rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
     """Yield the rows of one case: targets, then parameters."""
     numbers = [("target", name, *of) for name, of in targets.items()]
+    fields = {name: getattr(contact, name) for name in PARAMETERS}
+    fields |= contact.law.parameters if contact.law else {}
+    units = PARAMETERS | LAW_PARAMETERS
     numbers += [
-        ("parameter", name, float(getattr(contact, name)), np.nan, unit)
-        for name, unit in PARAMETERS.items()
-        if getattr(contact, name) is not None
+        ("parameter", name, float(value), np.nan, units[name])
+        for name, value in fields.items()
+        if value is not None
     ]
     for role, name, value, target, unit in numbers:
         bodies = {"particle": contact.particle.name, "surface": contact.surface.name}

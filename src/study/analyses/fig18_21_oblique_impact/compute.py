@@ -38,6 +38,8 @@ PRINTED_VALUES = ("plateau_end_angle", "rolling_to_sliding_angle", "impulse_rati
 # The share that must rebound where a band is drawn, and the step in which it takes the angles.
 REBOUNDING, STEP = 0.5, 4
 
+FRICTION_BASES_OF_LAWS = tuple(each for each in FRICTION_BASES if each != "hertz")
+
 # What experiments measure, by panel.
 QUANTITIES = {"adhesion": "impulse_ratio", "loss": "energy_loss"}
 
@@ -98,7 +100,8 @@ def impulse_ratios(
     e = normal_impact(contact, params.speed_m_per_s).coefficient_of_restitution
     rigid = rigid_body_rebound(v_n, v_t, params.spin_rad_per_s, contact.radius, e, contact.friction)
     frames = [_frame("adhesion", "rigid body", angle, 0.0 - rigid.mu)]
-    for basis in FRICTION_BASES:
+    # Other laws do not tell Hertz's force from adhesion.
+    for basis in FRICTION_BASES if contact.law is None else FRICTION_BASES_OF_LAWS:
         outcome = simulate(contact, params.speed_m_per_s, angle, params.spin_rad_per_s, basis)
         rebound = ~outcome.captured
         ratio = outcome.impulse_ratio[rebound]

@@ -33,7 +33,7 @@ def adhesion_raises_friction(y: Curves) -> Stated:
         Impulse ratio against the angle of incidence for [[case.pair]], [[diameter_um:g]] µm, f
         = [[friction:g]], [[speed_m_per_s:.2f]] m/s. (a) Rigid body model and dynamic
         simulation, in which adhesion adds to the force that friction acts on. (b) The
-        simulation with each of three normal forces in Coulomb's law: compressive part, Hertz
+        simulation with each of the normal forces in Coulomb's law: compressive part, Hertz
         force alone, and net force (Eq. 27).
     """,
     {"adhesion": "rigid body model and simulation", "basis": "normal force in Coulomb's law"},

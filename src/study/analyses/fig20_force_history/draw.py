@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from study.tables import Curves
 
 
+# Height of the enlarged panel over the deepest dip.
+ENLARGED = 1.4
+
+
 def attracts_at_both_ends(y: Curves) -> Stated:
     """The net force is negative before and after the peak; damping acts after it alone."""
     net, damping = y("total"), y("adhesion damping")
@@ -24,8 +28,8 @@ def attracts_at_both_ends(y: Curves) -> Stated:
     "fig20",
     "Normal force during an impact, and its terms",
     """
-        Normal force against time for a sphere of [[diameter_um:.1f]] µm of [[case.pair]] at
-        [[speed_m_per_s:.1f]] m/s, and its four terms; compression is positive. (a) The whole
+        Normal force against time for a sphere of [[diameter_um:g]] µm of [[case.pair]] at
+        [[speed_m_per_s:g]] m/s, and its four terms; compression is positive. (a) The whole
         contact. (b) Enlarged: the force is attractive near the beginning and, more strongly,
         near the end.
     """,
@@ -52,7 +56,9 @@ def draw_fig20(sheet: Sheet) -> None:
     """Force against time: the whole contact, and its attraction enlarged."""
     force, dips = sheet.panels(xlim=(0.0, 55.0), xlabel="Time $t$ (ns)", ylabel="Normal force (µN)")
     force.set(ylim=(-40.0, 80.0))
-    dips.set(ylim=(-12.0, 12.0))
+    rows = sheet.tables["fig20"]
+    height = ENLARGED * abs(rows.loc[rows["series"] == "total", "y_uN"].min())
+    dips.set(ylim=(-height, height))
     terms = {
         "total": Series("net force", 6),
         "hertz": Series("Hertz force", 0, line="dashed"),
@@ -63,4 +69,5 @@ def draw_fig20(sheet: Sheet) -> None:
     for ax in (force, dips):
         sheet.level(ax, 0.0)
         sheet.draw(ax, terms, fixed=ax is dips)
+    dips.set(xlim=force.get_xlim())
     sheet.keys()

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import product as combinations
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -37,6 +37,7 @@ from study.analyses.fig24_25_doe.factors import (
     LETTERS,
     NAMES,
     Levels,
+    about_one,
     at_levels,
     coded,
     elasticities,
@@ -44,7 +45,7 @@ from study.analyses.fig24_25_doe.factors import (
     realistic_levels,
 )
 from study.contacts import all_printed, calibrated_contact
-from study.declared.parameters import CaseName, Must, Name, Positive
+from study.declared.parameters import CaseName, Fraction, Must, Name, Positive
 from study.tables import Row, Tables, series_frame
 
 NEEDS = {"calibration": ("calibration", "calibration_family")}
@@ -76,7 +77,8 @@ class FitSampling:
 class Params:
     """The cases, the design, and the levels.
 
-    ``diameters_um`` are the ends of a sieve class.
+    ``diameters_um`` are the ends of a sieve class. ``levels`` are half-ranges of factors by name,
+    as 0.1 for levels of 0.9 and 1.1 of the nominal value, in place of the realistic ones.
     """
 
     seed: Annotated[int, Field(ge=0)]
@@ -85,6 +87,7 @@ class Params:
     generator: Name
     diameters_um: tuple[Positive, Positive]
     sampling: FitSampling
+    levels: dict[Literal[NAMES], Fraction] = field(default_factory=dict)  # type: ignore[valid-type]
 
     def __post_init__(self) -> None:
         """Refuse a generator that confounds factors."""
@@ -143,10 +146,10 @@ class DesignedExperiment:
 def _experiments(params: Params, inputs: Tables) -> Iterator[DesignedExperiment]:
     """Yield each case with each set of levels, its runs made."""
     share = float(all_printed(inputs)[PRINTED_VALUES[0]]) / 100.0
-    small = Levels(**{name: (1.0 - share, 1.0 + share) for name, _ in FACTORS.values()})
+    small = Levels(**about_one(dict.fromkeys(NAMES, share)))
     for turn, case in enumerate(params.cases):
         contact = calibrated_contact(inputs, case)
-        wide = realistic_levels(contact, params.diameters_um, inputs)
+        wide = realistic_levels(contact, params.diameters_um, inputs, params.levels)
         yield _experiment(params, case, "realistic", contact, wide, 2 * turn)
         yield _experiment(params, case, "uniform", contact, small, 2 * turn + 1)
 

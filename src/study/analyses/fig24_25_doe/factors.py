@@ -6,8 +6,9 @@ zeta_H of adhesion and material (Eqs. 23 and 24) at a fixed v_N.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import astuple, dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,17 @@ class Levels:
         return np.array(astuple(self), dtype=np.float64).T
 
 
-def realistic_levels(contact: Contact, diameters: tuple[float, float], inputs: Tables) -> Levels:
+def about_one(shares: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+    """Return levels a share below and above the nominal value, by factor."""
+    return {name: (1.0 - share, 1.0 + share) for name, share in shares.items()}
+
+
+def realistic_levels(
+    contact: Contact,
+    diameters: tuple[float, float],
+    inputs: Tables,
+    shares: Mapping[str, float] = MappingProxyType({}),
+) -> Levels:
     """Return levels half the logarithmic range of each factor to either side of its nominal value.
 
     The stiffness ranges over the declared bounds of the materials, the radius over the sieve, and
@@ -77,15 +88,18 @@ def realistic_levels(contact: Contact, diameters: tuple[float, float], inputs: T
         Ends of the sieve.
     inputs
         ``materials``: declared rows; ``calibration_family``: table of the calibration.
+    shares
+        Half-ranges of factors, by name, in place of the realistic ones.
     """
     flat = flat_family(contact, inputs)
-    return Levels(
+    levels = Levels(
         stiffness=_either_side(_stiffness_ends(contact, inputs["materials"])),
         work_of_adhesion=_either_side(flat["work_of_adhesion_J_per_m2"]),
         radius=_either_side(diameters),
         adhesion_dissipation=_either_side(flat["zeta_adhesion"]),
         hertz_dissipation=_either_side(flat["zeta_hertz"]),
     )
+    return replace(levels, **about_one(shares))
 
 
 def flat_family(contact: Contact, inputs: Tables) -> pd.DataFrame:
