@@ -31,7 +31,7 @@ import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.computable import NotComputable
-from study.claims.context import Common, Context, Estimate, Numbers
+from study.claims.context import Common, Context, Estimate, Numbers, Read
 from study.declared.documents import filled
 from study.tables import NOT_COMPUTED, Row
 
@@ -250,19 +250,6 @@ class Claim:
 
 # Every claim by its id, as the modules of the sections are imported.
 CLAIMS: dict[str, Claim] = {}
-
-
-class Read(dict[str, Any]):
-    """Declared rows and tables, and the names of those that were read."""
-
-    def __init__(self, tables: Mapping[str, Any]) -> None:
-        super().__init__()
-        self.tables, self.names = tables, set[str]()
-
-    def __missing__(self, name: str) -> Any:
-        """Return a table and note its name."""
-        self.names.add(name)
-        return self.tables[name]
 
 
 def untestable(claim: Claim) -> None:

@@ -111,6 +111,19 @@ class Estimate(NamedTuple):
         return Estimate(self.value / width, self.error / width)
 
 
+class Read(dict[str, Any]):
+    """Declared rows and tables, and the names of those, and of shared settings, that were read."""
+
+    def __init__(self, tables: Mapping[str, Any]) -> None:
+        super().__init__()
+        self.tables, self.names = tables, set[str]()
+
+    def __missing__(self, name: str) -> Any:
+        """Return a table and note its name."""
+        self.names.add(name)
+        return self.tables[name]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Context:
     """One case of steel on silicon, or none (""), with all settings and tables."""
@@ -139,13 +152,19 @@ class Context:
             self.made[key] = make()
         return self.made[key]
 
+    def _meant(self, key: str) -> float:
+        """Return the diameter or speed of the impact meant, which a claim on it then names."""
+        if isinstance(self.inputs, Read):
+            self.inputs.names.add(f"steel.{key}")
+        return float(getattr(self.params.steel, key))
+
     # Contacts and impacts
 
     @property
     def steel(self) -> Contact:
         """Contact of the case, or contacts (n,), as large and with such friction as is meant."""
         steel = self.params.steel
-        case, diameter = self.case or steel.cases[0], steel.diameter_um * 1e-6
+        case, diameter = self.case or steel.cases[0], self._meant("diameter_um") * 1e-6
 
         def contact() -> Contact:
             sized = resized(calibrated_contact(self.inputs, case), diameter)
@@ -159,7 +178,7 @@ class Context:
     @property
     def speed(self) -> float:
         """Speed of the impact meant, m/s."""
-        return self.params.steel.speed_m_per_s
+        return self._meant("speed_m_per_s")
 
     def hit(self, contact: Contact, speed: Real, angle: Real = 90.0, basis: str = "") -> Impact:
         """Simulate impacts with the initial spin meant.

@@ -26,12 +26,14 @@ def with_inputs(row: Mapping[str, Any] | pd.Series[Any], changed: Changed) -> di
     """Return the row of a claim with the changed inputs it rests on.
 
     A study is of another impact if a key of its own, or of a mapping right below it, says so; a
-    claim, if any setting of it alone does. Such a claim has no verdict.
+    claim, if any setting of it alone does, or a shared one that it has read. Such a claim has no
+    verdict.
 
     Parameters
     ----------
     row
-        Of the ledger; ``inputs`` names the tables that the claim has read.
+        Of the ledger; ``inputs`` names the tables that the claim has read, and of the impact that
+        claims share what it has, as ``steel.speed_m_per_s``.
     changed
         By study, changed keys of parameters and where each is declared.
     """
@@ -49,7 +51,9 @@ def with_inputs(row: Mapping[str, Any] | pd.Series[Any], changed: Changed) -> di
     places = {**settings, **{k: p for study in sorted(read) for k, p in changed[study].items()}}
     alone = {key: {*key.split(".")} for key in settings}
     another = {
-        settings[key] for key, parts in alone.items() if row["id"] in parts and IMPACT & parts
+        settings[key]
+        for key, parts in alone.items()
+        if IMPACT & parts and (row["id"] in parts or key.removeprefix(f"{STUDY}.") in tables)
     }
     for study in read:
         keys = {key: key.split(".") for key in changed[study]}

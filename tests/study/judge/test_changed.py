@@ -12,6 +12,7 @@ from study.run.config import validate
 
 FORCES = {"id": "C32", "inputs": "force_ratios printed"}
 PAIRS = {"id": "C72", "inputs": "surface_pairs"}
+PLATEAU = {"id": "C68", "inputs": "calibration steel.speed_m_per_s"}
 STEEL, FLUORESCEIN = "steel-silicon, n = 1", "fluorescein-molybdenum, nominal"
 
 
@@ -42,6 +43,13 @@ def test_a_claim_computed_for_another_impact_has_no_verdict(marked, overlay, key
     assert key in row["note"]
     assert key in row["changed_inputs"]
     assert marked(PAIRS, overlay)["verdict"] == "reproduced"
+
+
+def test_a_claim_on_the_shared_impact_has_no_verdict_at_another_speed(marked):
+    overlay = {"speeds": {"nominal": {"speed_m_per_s": 3.0, "speed_range_m_per_s": [2.9, 3.1]}}}
+    assert marked(PLATEAU, overlay)["verdict"] == OF_ANOTHER
+    of_size = PLATEAU | {"inputs": "calibration steel.diameter_um"}
+    assert marked(of_size, overlay)["verdict"] == "reproduced"
 
 
 @pytest.mark.parametrize(
