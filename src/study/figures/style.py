@@ -9,6 +9,7 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Any, Literal
 from xml.sax.saxutils import escape
@@ -235,10 +236,10 @@ class Sheet:
         names += [s for s in present if s not in series]
         is_simulated = rows["evidence"] == "virtual experiment"
         rows = pd.concat([rows[~is_simulated], _apart(rows[is_simulated], names, apart)])
-        colours: dict[str, str] = {}
-        for number, each in enumerate(names):
-            spec = series.get(each, Series(self.fill(each)))
-            colours[each] = colour = f"C{number if spec.colour is None else spec.colour}"
+        looks = _with_colours({s: series.get(s, Series(self.fill(s))) for s in names})
+        colours = {name: f"C{spec.colour}" for name, spec in looks.items()}
+        for each, spec in looks.items():
+            colour = colours[each]
             curve = rows[rows["series"] == each]
             label: str | None = spec.label if spec.beside is None else f"_{spec.label}"
             for evidence, part in curve.groupby("evidence", sort=False):
@@ -409,6 +410,16 @@ def _apart(rows: pd.DataFrame, names: Sequence[str], factor: float) -> pd.DataFr
     places = {name: i - 0.5 * (len(order) - 1) for i, name in enumerate(order)}
     moved = rows[x] * factor ** rows["series"].map(places).to_numpy(float)
     return rows.assign(**{x: moved}).sort_values(x, kind="stable")
+
+
+def _with_colours(looks: Mapping[str, Series]) -> dict[str, Series]:
+    """Return the series with a colour each; those without one take colours that no other has."""
+    used = {spec.colour for spec in looks.values()}
+    free = (number for number in count() if number not in used)
+    return {
+        name: spec if spec.colour is not None else replace(spec, colour=next(free))
+        for name, spec in looks.items()
+    }
 
 
 def _name_beside(ax: Axes, rows: pd.DataFrame, spec: Series, colour: str) -> None:

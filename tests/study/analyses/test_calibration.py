@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from microimpact.model.dynamics.normal import normal_impact
+from study.contacts import calibrated_contact
+from study.tables import parse_table
+
 
 @pytest.fixture(scope="module")
 def tables(made):
@@ -60,3 +64,39 @@ def test_a_target_that_is_not_printed_is_marked_as_assumed(run_study, tables):
     changed = {**few, "capture_velocity_m_per_s": 0.15, "members": {case: {}}}
     found = evidence(run_study("calibration", two_stage=changed))
     assert found == {0.15: "assumed", 1.66: "assumed"}
+
+
+FEW = {"rate_exponents": [1.0], "works_of_adhesion_J_per_m2": [0.7]}
+
+
+def test_damping_fitted_at_another_work_of_adhesion_stays(run_study, tables):
+    case = "steel-silicon, n = 1"
+    humid = {"work_of_adhesion_J_per_m2": 1.4, "damping_fitted_at_J_per_m2": 0.7}
+    made = run_study("calibration", two_stage={**FEW, "members": {case: humid}})
+    dry, wet = (
+        each["calibration"].set_index(["case", "quantity"])["value"][case]
+        for each in (tables, made)
+    )
+    assert wet["work_of_adhesion"] == 2 * dry["work_of_adhesion"]
+    damping = ["hertz_damping", "adhesion_damping"]
+    assert wet[damping].tolist() == pytest.approx(dry[damping].tolist(), rel=1e-9)
+    assert wet["capture_velocity"] > 1.5 * dry["capture_velocity"]
+
+
+@pytest.mark.parametrize("law", ["jkr", "thornton-ning"])
+def test_another_law_meets_the_same_targets(run_study, settings, law):
+    case = "steel-silicon, n = 1"
+    made = run_study("calibration", two_stage={**FEW, "members": {case: {"law": law}}})
+    rows = made["calibration"].query("case == @case and role == 'target'")
+    assert rows["value"].tolist() == pytest.approx(rows["target"].tolist(), rel=1e-9)
+    materials = parse_table(settings.rows["fig18_21_oblique_impact"]["materials"])
+    contact = calibrated_contact({**made, "materials": materials}, case)
+    assert contact.law.name == law
+    impact = normal_impact(contact, 1.66)
+    assert impact.coefficient_of_restitution == pytest.approx(0.70, rel=1e-9)
+
+
+def test_a_law_has_its_own_work_of_adhesion(run_study):
+    both = {"law": "jkr", "damping_fitted_at_J_per_m2": 0.7}
+    with pytest.raises(ValueError, match="leave damping_fitted_at_J_per_m2"):
+        run_study("calibration", two_stage={"members": {"steel-silicon, n = 1": both}})

@@ -325,3 +325,16 @@ def test_levels_may_not_be_given_for_an_empty_range():
             adhesion_dissipation=(0.9, 1.1),
             hertz_dissipation=(0.9, 1.1),
         )
+
+
+def test_half_ranges_take_the_place_of_realistic_levels(run_study, calibration, tables, sampling):
+    levels = {"stiffness": 0.1, "radius": 0.05}
+    made = run_study("fig24_25_doe", calibration, sampling=sampling, levels=levels)
+    keys = ["case", "variation", "name"]
+    rows, shipped = (each["doe_levels"].set_index(keys) for each in (made, tables))
+    multiples = ["low_multiple", "high_multiple"]
+    for name, share in levels.items():
+        row = rows.loc[(STEEL[0], "realistic", name), multiples]
+        assert row.tolist() == [1.0 - share, 1.0 + share]
+    rest = rows.drop(index=list(levels), level="name")[multiples]
+    assert rest.equals(shipped.loc[rest.index, multiples])

@@ -56,9 +56,7 @@ from study.tables import (
 )
 
 PRINTED_VALUES = CAPTURE_VELOCITIES
-FITTED_LAWS: dict[str, type[JKR | ThorntonNing]] = {
-    law.name: law for law in (JKR, ThorntonNing)
-}
+FITTED_LAWS: dict[str, type[JKR | ThorntonNing]] = {law.name: law for law in (JKR, ThorntonNing)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -47,16 +47,17 @@ def slides_then_rolls(y: Curves) -> Stated:
 )
 def draw_fig17(sheet: Sheet) -> None:
     """Impulse ratio by friction coefficient, and by spin before impact."""
-    friction, spin = sheet.panels(**OVER_ANGLE, ylim=(-0.2, 0.25), ylabel=IMPULSE_RATIO)
+    rows = sheet.tables["fig17"].query("panel == 'friction' and evidence == 'computed'")
+    names = rows["series"].unique()
+    coefficients = {
+        f: Series(f"$f$ = {float(f):.2f}", number, beside=10) for number, f in enumerate(names)
+    }
+    # The name of the uppermost curve stands above it.
+    limits = -0.2, 1.25 * max(map(float, names))
+    friction, spin = sheet.panels(**OVER_ANGLE, ylim=limits, ylabel=IMPULSE_RATIO)
     for ax in (friction, spin):
         sheet.level(ax, 0.0)
-    coefficients = {
-        "0.05": Series("$f$ = 0.05", 0, beside=10),
-        "0.1": Series("$f$ = 0.10", 1, beside=10),
-        "0.15": Series("$f$ = 0.15", 2, beside=10),
-        "0.2": Series("$f$ = 0.20", 3, beside=10),
-        "impulse_ratio_normal_incidence_no_spin": Series(r"$\mu$ = 0 at 90°", 6),
-    }
+    coefficients["impulse_ratio_normal_incidence_no_spin"] = Series(r"$\mu$ = 0 at 90°", 6)
     sheet.draw(friction, coefficients)
     sheet.legend(friction, "lower left")
     spins = {
