@@ -242,7 +242,7 @@ def law_for(
     Parameters
     ----------
     contact
-        The bodies, and where the search for w_A begins.
+        The bodies.
     law
         `JKR`, whose viscous time is chosen, or `ThorntonNing`, whose yield pressure is.
     speed
@@ -260,7 +260,7 @@ def law_for(
 
     def with_loss(loss: float) -> Contact:
         chosen = JKR(viscous_time=loss) if law is JKR else ThorntonNing(yield_pressure=1.0 / loss)
-        return work_of_adhesion_for(contact.by_law(chosen, float(contact.work_of_adhesion)), limit)
+        return work_of_adhesion_for(contact.by_law(chosen, 1.0), limit)
 
     def excess(logarithm: float) -> float:
         e = normal_impact(with_loss(np.exp(logarithm)), speed).coefficient_of_restitution

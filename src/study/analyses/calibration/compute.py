@@ -372,8 +372,7 @@ def _cases(params: Params, known: Known, inputs: Tables) -> Iterator[Attempt]:
     def member(each: Member) -> Solution:
         work = each.work_of_adhesion_J_per_m2
         if each.law:
-            law = FITTED_LAWS[each.law]
-            contact = law_for(bare.replace(work_of_adhesion=work), law, *targets.aims)
+            contact = law_for(bare, FITTED_LAWS[each.law], *targets.aims)
         else:
             fitted_at = each.damping_fitted_at_J_per_m2 or work
             contact = solved(bare, targets.aims, each.rate_exponent, fitted_at)
