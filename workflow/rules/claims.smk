@@ -2,19 +2,31 @@
 
 
 use rule analysis as claim_numbers with:
-    """tables/claim_numbers.csv: the numbers that decide the claims.
-
-    tables/claim_draws.csv: these numbers for every drawn contact that the printed statements admit.
-    """
+    """tables/claim_numbers.csv: the numbers that decide the claims."""
     input:
         # Each claim names those it takes.
-        **tables(*analyses.needs("claim_numbers")),
+        **tables(
+            *(name for name in analyses.needs("claim_numbers") if name != "posterior_contacts")
+        ),
     output:
-        **tables("claim_numbers", "claim_draws"),
+        **tables("claim_numbers"),
     pathvars:
         analysis="claim_numbers",
     params:
         **parameters("claim_numbers"),
+
+
+use rule analysis as claim_draws with:
+    """tables/claim_draws.csv: numbers of claims for every contact that the printed statements admit."""
+    input:
+        **tables("calibration", "posterior_contacts"),
+    output:
+        **tables("claim_draws"),
+    pathvars:
+        analysis="claim_draws",
+    params:
+        **parameters("claim_numbers"),
+        function="drawn",
 
 
 rule claims:

@@ -30,10 +30,11 @@ def main(job: Any) -> str:
 
     The rule names it as ``params.analysis``, with its branch of the configuration as
     ``params.branch``, rows of declared tables as ``params.rows`` (name -> CSV text), and tables of
-    earlier analyses as named input files. The rule of its parts makes one, such as 1-of-2; what is
-    made of the files ``parts`` is among the inputs of the analysis as one table. In place of what
-    changed inputs do not allow, tables that say why are written: it stops neither claims nor
-    report. Inputs as shipped, with ``params.is_shipped``, allow all.
+    earlier analyses as named input files. ``params.function`` makes the tables, if it is not
+    ``run``. The rule of its parts makes one, such as 1-of-2; what is made of the files ``parts`` is
+    among the inputs of the analysis as one table. In place of what changed inputs do not allow,
+    tables that say why are written: it stops neither claims nor report. Inputs as shipped, with
+    ``params.is_shipped``, allow all.
     """
     analysis = analyses.analysis(job.params.analysis)
     declared = {name: parse_table(text) for name, text in job.params.rows.items()}
@@ -48,7 +49,7 @@ def main(job: Any) -> str:
         else:
             if parts := job.input.get("parts"):
                 inputs["parts"] = pd.concat(map(read_table, parts))
-            tables = analysis.run(params, inputs)
+            tables = getattr(analysis, job.params.get("function", "run"))(params, inputs)
     except NotComputable as error:
         why = reason(job.params.analysis, error)
         sys.stderr.write(f"{NOT_COMPUTED}: {why}\n")

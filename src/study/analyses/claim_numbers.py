@@ -15,9 +15,9 @@ from study.claims.claim import CLAIMS, NUMBER_COLUMNS, ascending, flat, params, 
 from study.claims.context import Common, Context
 from study.claims.sections import SECTIONS
 from study.contacts import posterior_contact, posterior_rows
-from study.tables import NOT_COMPUTED, Tables, reason
+from study.tables import Tables
 
-__all__ = ["CLAIMS", "SECTIONS", "Params", "numbers_of", "run"]
+__all__ = ["CLAIMS", "SECTIONS", "Params", "drawn", "numbers_of", "run"]
 
 NEEDS = {
     "inference": ("posterior_contacts",),
@@ -84,21 +84,29 @@ def run(params: Common, inputs: Tables) -> Tables:
     -------
     dict of pandas.DataFrame
         ``claim_numbers``: per claim, case and quantity its value, error and code; in the column
-        ``problem``, why there is none. ``claim_draws``: numbers of some claims for drawn
-        contacts.
+        ``problem``, why there is none.
     """
     context = Context(params=params, inputs=inputs)
     numbers = [row for name in ascending() for row in rows(name, context)]
-    try:
-        drawn = draws_of(params, inputs)
-    except NotComputable as error:  # these claims are not judged by their calibrated cases instead
-        drawn = pd.DataFrame(columns=list(DRAW_COLUMNS))
-        row = {"quantity": NOT_COMPUTED, "problem": reason("claim_draws", error)}
-        numbers += [{"claim": name, **row} for name in ascending() if CLAIMS[name].by_contact]
-    return {
-        "claim_numbers": pd.DataFrame(numbers, columns=list(NUMBER_COLUMNS)),
-        "claim_draws": drawn,
-    }
+    return {"claim_numbers": pd.DataFrame(numbers, columns=list(NUMBER_COLUMNS))}
+
+
+def drawn(params: Common, inputs: Tables) -> Tables:
+    """Compute the numbers of the claims that drawn contacts decide, for every draw.
+
+    A rule of its own makes them: it waits for the inference, and for no other analysis.
+
+    Parameters
+    ----------
+    params, inputs
+        As in `draws_of`.
+
+    Returns
+    -------
+    dict of pandas.DataFrame
+        ``claim_draws``: what `draws_of` returns for all these claims.
+    """
+    return {"claim_draws": draws_of(params, inputs)}
 
 
 def draws_of(params: Common, inputs: Tables, *claims: str) -> pd.DataFrame:
@@ -122,12 +130,13 @@ def draws_of(params: Common, inputs: Tables, *claims: str) -> pd.DataFrame:
         Rows with `DRAW_COLUMNS`, in the order of claims and draws.
     """
     wanted = claims or tuple(name for name in ascending() if CLAIMS[name].by_contact)
-    drawn = pd.concat(
+    contacts = pd.concat(
         [posterior_rows(inputs, params.draws.case, each) for each in params.draws.scenarios],
         ignore_index=True,
     )
-    drawn = drawn[(drawn["contact_law"] == "ring force") | (drawn["draw"] % SPARSE == 0)]
-    groups = [rows for _, rows in drawn.groupby(["contact_law", "friction_basis"])]
+    is_ring_force = contacts["contact_law"] == "ring force"
+    contacts = contacts[is_ring_force | (contacts["draw"] % SPARSE == 0)]
+    groups = [rows for _, rows in contacts.groupby(["contact_law", "friction_basis"])]
     parts = [part for name in wanted for rows in groups for part in _of(name, params, inputs, rows)]
     if not parts:
         return pd.DataFrame(columns=list(DRAW_COLUMNS))

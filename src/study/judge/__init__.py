@@ -26,7 +26,7 @@ from study.judge.judging import (
 )
 from study.judge.shares import GROUPS, Share, shares
 from study.judge.words import bounds, computed_values, fails, sentence
-from study.tables import NOT_COMPUTED, Row
+from study.tables import NOT_COMPUTED, NotComputedError, Row
 
 # Loaded where a ledger is judged: the pages, which read it as text, do without.
 if TYPE_CHECKING:
@@ -74,9 +74,15 @@ def judge(
     import pandas as pd
 
     claims = declared_claims(values)
-    draws = tables["claim_draws"]
-    drawn = shares(claims, draws, tables["posterior_contacts"]) if len(draws) else NO_SHARES
-    ledger, numbers = verdicts(claims, tables["claim_numbers"], drawn)
+    numbers, drawn = tables["claim_numbers"], NO_SHARES
+    try:
+        draws = tables["claim_draws"]
+        drawn = shares(claims, draws, tables["posterior_contacts"]) if len(draws) else NO_SHARES
+    except NotComputedError as why:  # these claims are not judged by their calibrated cases instead
+        row = {"quantity": NOT_COMPUTED, "problem": str(why)}
+        without = [{"claim": name, **row} for name, claim in claims.items() if claim.by_contact]
+        numbers = pd.concat([numbers, pd.DataFrame(without)], ignore_index=True)
+    ledger, tested = verdicts(claims, numbers, drawn)
     evidence = independent(claims, tables.get("external_evidence"))
     agreeing = agreements(evidence)
     ledger["independent"] = [agreeing.get(name, "") for name in ledger["id"]]
@@ -91,7 +97,7 @@ def judge(
     return {
         "claims": pd.DataFrame(marked, columns=list(COLUMNS)),
         "claim_shares": pd.DataFrame(counts, columns=list(SHARE_COLUMNS)),
-        "claim_results": pd.DataFrame(numbers, columns=list(RESULT_COLUMNS)),
+        "claim_results": pd.DataFrame(tested, columns=list(RESULT_COLUMNS)),
         "claim_evidence": evidence,
         "claim_amendments": pd.DataFrame(amendments()),
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microimpact import capture_velocity, simulate
+from microimpact import JKR, capture_velocity, simulate
 from microimpact.model.calibration import (
     NoSolutionError,
     adhesion_damping_for,
@@ -13,6 +13,7 @@ from microimpact.model.calibration import (
     dissipation_ratio_for,
     hertz_damping_for,
     hertz_damping_for_adhesion_ratio,
+    law_for,
     peak_ratios,
     two_stage,
     work_of_adhesion_for,
@@ -136,3 +137,9 @@ def test_one_factor_on_both_dampings_meets_a_restitution(contact):
     )
     with pytest.raises(NoSolutionError):
         damping_factor_for(contact.replace(hertz_damping=0.0, adhesion_damping=0.0), HIGH, 0.55)
+
+
+def test_a_loss_that_no_law_has_is_refused(bare):
+    # JKR without viscosity still loses what breaking the contact costs
+    with pytest.raises(NoSolutionError, match="jkr: e at 1"):
+        law_for(bare, JKR, HIGH, 0.9999, CAPTURE)

@@ -54,7 +54,8 @@ def inputs(made, settings):
 @pytest.fixture(scope="module")
 def tables(branch, inputs, tmp_path_factory):
     def make():
-        return claim_numbers.run(build(claim_numbers.Params, branch), inputs)
+        params = build(claim_numbers.Params, branch)
+        return claim_numbers.run(params, inputs) | claim_numbers.drawn(params, inputs)
 
     return tables_made_once(tmp_path_factory, "numbers of claims", make)
 

@@ -12,6 +12,7 @@ from study.judge.criteria import ClaimsError
 from study.judge.independent import AGREES, DISAGREES, SPLIT, agreements, independent
 from study.judge.judging import RESULT_COLUMNS
 from study.judge.words import agreement
+from study.tables import NotComputedError
 
 WORDS = {"where": "2", "quote": "q", "article": "0.7", "reason": "because"}
 NEAR, SPEED = Number(within=(0.7, 0.05)), Number(unit="m/s")
@@ -181,3 +182,16 @@ def test_what_independent_data_say(facts, expected, words):
 def test_a_fact_that_nobody_found_is_refused():
     with pytest.raises(ClaimsError, match=r"C01.external: 'no targt' .* 'no target'"):
         independent({"C01": claim(external=("no targt",))}, FACTS)
+
+
+def test_without_drawn_contacts_claims_on_them_are_not_judged_by_the_calibrated(monkeypatch):
+    class Lacking(dict):
+        def __missing__(self, name):
+            raise NotComputedError("no contact is admitted")
+
+    claims = {"C01": claim(), "C02": claim("C02", by_contact=True)}
+    monkeypatch.setattr("study.judge.declared_claims", lambda values: claims)
+    both = numbers(*GOOD, *(("C02", *row[1:]) for row in GOOD))
+    ledger = judge(Lacking(claim_numbers=both, external_evidence=None))["claims"].set_index("id")
+    assert ledger["verdict"].to_dict() == {"C01": "reproduced", "C02": "not computed"}
+    assert ledger.loc["C02", "note"] == "no contact is admitted"
