@@ -5,6 +5,7 @@ Fields bear the names of the parameters they are given to.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated
@@ -141,7 +142,14 @@ class Laboratory:
     drops: Mapping[str, DeclaredDrop]
 
     def disagreements(self) -> Iterator[str]:
-        """Yield a line for each drop whose contact is of other materials."""
+        """Yield a line for each drop whose contact is of other materials, and each false name."""
+        for name, case in self.cases.items():
+            said, exponent = re.search(r"\bn = (\S+)$", name), case.rate_exponent
+            if said and case.law:
+                yield f"cases.{name}.law: {case.law!r} has no n: declare a case of another name"
+            elif said and exponent is not None and said[1] != f"{exponent:g}":
+                wanted = name.replace(said[0], f"n = {exponent:g}")
+                yield f"cases.{name}.rate_exponent: {exponent:g}: declare a case {wanted!r} for it"
         impact = self.impact
         cases = {"case": impact.case, "other_case": impact.other_case}
         cases |= {f"cases[{i}]": case for i, case in enumerate(impact.cases)}

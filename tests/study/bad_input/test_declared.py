@@ -195,6 +195,8 @@ OVERLAYS = [
     ({"fig23_monte_carlo": {"process": {"diameter_um": {"kind": "truncated_normal", "mean": 50, "sd": 9, "low": 100, "high": 110}}}}, ["fig23_monte_carlo.process.diameter_um: from 100 to 110, only 1e-08 of mean 50, sd 9 is left"]),
     ({"fig06_12_oblique_experiments": {"series": {"silicon front": {"speed_m_per_s": 3.0}}}}, ["fig06_12_oblique_experiments.series.silicon front.speed_m_per_s: 3 must be within speed_range_m_per_s, [1.6, 1.72]"]),
     ({"drops": {"steel on silicon": {"case": "steel-formica"}}}, ["drops.steel on silicon.case: 'steel-formica' is of stainless-steel-316 on formica, must be of stainless-steel-316 on silicon"]),
+    ({"cases": {"steel-silicon, n = 1": {"rate_exponent": 1.5}}}, ["cases.steel-silicon, n = 1.rate_exponent: 1.5: declare a case 'steel-silicon, n = 1.5' for it"]),
+    ({"cases": {"steel-silicon, n = 1": {"law": "jkr"}}}, ["cases.steel-silicon, n = 1.law: 'jkr' has no n: declare a case of another name"]),
     ({"fig04_05_normal_experiments": {"populations": {"spores": {"from": "particles.Lycopodium"}}}}, ["fig04_05_normal_experiments.populations.spores.particle: 'lycopodium' must be stainless-steel-316, as of the case 'steel-silicon, n = 1'"]),
     ({"pair_search": {"from": "particles.Lycopodium"}}, ["pair_search.particle: 'lycopodium' must be stainless-steel-316, as of the case 'steel-silicon, n = 1'"]),
     ({"fig06_12_oblique_experiments": {"series": {"spore on Formica": None}}}, ["fig06_12_oblique_experiments.compared_with_all: 'spore on Formica' must be one of"]),
