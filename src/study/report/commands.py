@@ -1,7 +1,7 @@
 """Commands that read results: ``python -m study.report.commands check``, ``pages``, ....
 
-``microimpact`` has two of them, ``claim`` and ``compare``, by entry points. They end with 0 if all
-is the same, 1 if something differs, and 2 on bad input.
+``microimpact`` has ``claim``, ``compare`` and ``plan`` of them, by entry points. They end with 0 if
+all is the same, 1 if something differs, and 2 on bad input.
 """
 
 from __future__ import annotations
@@ -103,6 +103,25 @@ def claim_command(name: str, settings: tuple[str, ...], results: Path | None) ->
     echo(tell(name, changed(settings), results or Path("results")))
 
 
+@click.command("plan", short_help="What an overlay would change.")
+@click.argument("overlays", nargs=-1, required=True, type=_folder)
+@click.option(
+    "--results",
+    type=_folder,
+    default=Path("results"),
+    show_default=True,
+    help="Folder of a run as shipped.",
+)
+def plan_command(overlays: tuple[Path, ...], results: Path) -> None:
+    """List the changes that OVERLAYS would make, before anything runs.
+
+    These are the analyses, figures and claims that rest on a changed input. Nothing is written.
+    """
+    from study.report.plan import plan
+
+    echo(plan(overlays, results))
+
+
 @click.command("crate")
 @click.argument("results", type=_folder)
 def crate_command(results: Path) -> None:
@@ -144,8 +163,8 @@ def commands() -> None:
 
 
 for _command in (
-    *(check_command, reference_command, compare_command, claim_command, crate_command),
-    *(report_command, pages_command),
+    *(check_command, reference_command, compare_command, claim_command, plan_command),
+    *(crate_command, report_command, pages_command),
 ):
     commands.add_command(_command)
 

@@ -159,18 +159,18 @@ def _made(name: str) -> dict[str, pd.DataFrame]:
 @cache
 def settings_as_shipped() -> Settings:
     """Return the parameters of all studies by the shipped configuration."""
-    base = _shipped()
+    base = shipped_configuration()
     return validate(base, base)
 
 
 @cache
 def _settings(changes: str, only: tuple[str, ...]) -> Settings:
-    base = _shipped()
+    base = shipped_configuration()
     return validate(merged(base, json.loads(changes)), base, only)
 
 
 @cache
-def _shipped() -> dict[str, Any]:
+def shipped_configuration() -> dict[str, Any]:
     """Return the configuration of a project or of an installed package, wherever that is."""
     base = read_configuration(declared_file("config.yaml").parent)
     return base | {key: str(declared_file(Path(base[key]).name)) for key in TABLES}
