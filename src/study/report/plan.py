@@ -49,9 +49,8 @@ def plan(overlays: Sequence[Path], results: Path) -> str:
     if not (results / "tables/claims.csv").is_file():
         return "\n".join([*lines, f"Claims and seconds are known after a run: none in {results}."])
     verdicts = defaultdict[str, list[str]](list)
-    for row in (
-        read_table(results / "tables/claims.csv").astype(object).fillna("").to_dict("records")
-    ):
+    ledger = read_table(results / "tables/claims.csv").astype(object).fillna("")
+    for _, row in ledger.iterrows():
         after: dict[str, Any] = with_inputs(row, changed)
         if after["changed_inputs"]:
             is_lost = after["verdict"] == OF_ANOTHER != row["verdict"]
