@@ -116,8 +116,6 @@ def fitted_to(inputs: Tables, case: str, quantity: str) -> bool:
 
 # Contacts by every law of the inference together, each law with its weight.
 ALL_LAWS = "all laws"
-# Lower end, middle and upper end of what is summarised or drawn of a posterior.
-BAND = (0.05, 0.5, 0.95)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

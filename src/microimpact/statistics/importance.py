@@ -1,14 +1,18 @@
 """Importance sampling of several densities over the unit cube by one pool of points.
 
 A Sobol sequence comes first; then, round by round, Student's t kernels at points drawn by the
-weights of each density (population Monte Carlo). All points count with the density of the whole
-mixture that drew them (Owen and Zhou 2000), so that any density can be weighed afterwards.
+weights of each density (population Monte Carlo). These points only say where the densities are
+high: each counts with a mixture whose kernels stand at the very points, so that integrals by them
+come out too small (Marin, Pudlo and Sedki 2019). The pool is drawn afresh from the last kernels and
+counts with the density of the whole mixture that drew it (Owen and Zhou 2000), so that any density
+can be weighed afterwards, without bias and with the error of independent points.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 import scipy
@@ -19,6 +23,8 @@ from microimpact.core.solve import root
 
 # Degrees of freedom of the kernels, and draws from each.
 FREEDOM, EACH = 5.0, 4
+# Binary logarithm of the points of the first sequence to each one of the pool that is spread evenly.
+EVEN = 3
 # Power to which the weights are raised where hardly any of them count.
 FLATTEST = 1e-9
 
@@ -97,7 +103,8 @@ def pool(
     first
         Binary logarithm of the number of points of the Sobol sequence; a round has half as many.
     rounds
-        How often kernels are set.
+        How often kernels are set. The pool has the kernels of the latter half of the rounds, as
+        many more set by all of them, and points all over the cube.
     rng
         Where all random numbers come from.
     """
@@ -105,23 +112,41 @@ def pool(
 
     points = Sobol(axes, rng=rng).random_base2(first)
     record = compute(points)
-    tried, drawn = len(points), np.full(len(points), float(len(points)))
-    proposals: list[Kernels] = []
-    for _ in range(rounds):
-        logs = log_densities(record) - np.log(drawn / tried)[:, None]
+    drawn = np.full(len(points), float(len(points)))
+    sets: list[list[Kernels]] = []
+
+    def kernels_of_all(draws: int) -> list[Kernels]:
+        logs = log_densities(record) - np.log(drawn)[:, None]
         columns = [column for column in logs.T if np.any(column > -np.inf)]
-        number = -(-(2**first) // (2 * EACH * len(columns)))
-        places = [kernels(points, column, number, rng) for column in columns]
-        new = np.concatenate([each.draw(rng) for each in places])
-        tried += len(new)
-        new = new[np.all((new > 0.0) & (new < 1.0), axis=1)]
+        number = -(-draws // (EACH * len(columns)))
+        return [kernels(points, column, number, rng) for column in columns]
+
+    for _ in range(rounds):
+        latest = kernels_of_all(2 ** (first - 1))
+        new = inside(np.concatenate([each.draw(rng) for each in latest]))
         part = compute(new)
         record = {name: np.concatenate([value, part[name]]) for name, value in record.items()}
-        earlier = sum((each.density(new) for each in proposals), np.full(len(new), 2.0**first))
+        earlier = sum((each.density(new) for each in chain(*sets)), np.full(len(new), 2.0**first))
         drawn, points = np.concatenate([drawn, earlier]), np.concatenate([points, new])
-        drawn = drawn + sum(each.density(points) for each in places)
-        proposals += places
-    return Pool(points=points, record=record, log_proposal=np.log(drawn / tried), tried=tried)
+        drawn = drawn + sum(each.density(points) for each in latest)
+        sets.append(latest)
+    half = -(-rounds // 2)
+    last = [*chain(*sets[-half:]), *kernels_of_all(half * 2 ** (first - 1))]
+    even = Sobol(axes, rng=rng).random_base2(first - EVEN)
+    points = np.concatenate([even, *(each.draw(rng) for each in last)])
+    tried, points = len(points), inside(points)
+    drawn = sum((each.density(points) for each in last), np.full(len(points), float(len(even))))
+    return Pool(
+        points=points,
+        record=compute(points),
+        log_proposal=np.log(drawn / tried),
+        tried=tried,
+    )
+
+
+def inside(points: FloatArray) -> FloatArray:
+    """Return the points that are within the unit cube."""
+    return points[np.all((points > 0.0) & (points < 1.0), axis=1)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,7 @@ def drawn(request):
         lambda points: {"log": densities(points)},
         lambda record: record["log"],
         3,
-        first=11,
+        first=12,
         rounds=6,
         rng=rng,
     )
@@ -64,3 +64,22 @@ def test_a_share_over_points_drawn_again_varies_as_over_so_many_independent_ones
         sizes.append(drawn_size(effective_number(weights), 100))
     p = np.mean(shares)
     assert np.var(shares) == pytest.approx(p * (1 - p) / np.mean(sizes), rel=0.25)
+
+
+def test_integrals_of_few_points_are_right_in_the_mean_and_vary_as_stated():
+    """Points weighed with kernels set at themselves would give integrals that are too small."""
+    ridge = multivariate_normal(5 * [0.5], 0.002 * np.eye(5) + 0.006)
+    found = []
+    for seed in range(60):
+        of_seed = pool(
+            lambda points: {"log": ridge.logpdf(points)},
+            lambda record: record["log"][:, None],
+            5,
+            first=8,
+            rounds=4,
+            rng=np.random.default_rng(seed),
+        )
+        found.append(integral(of_seed.log_weights(of_seed.record["log"]), of_seed.tried))
+    integrals, errors = np.exp([i.log for i in found]), np.array([i.error for i in found])
+    assert integrals.mean() == pytest.approx(1.0, abs=3 * integrals.std() / np.sqrt(60))
+    assert integrals.std() == pytest.approx(np.sqrt(np.mean(errors**2)), rel=0.3)

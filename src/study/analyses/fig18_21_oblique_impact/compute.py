@@ -10,14 +10,13 @@ import pandas as pd
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.computable import NotComputable
-from microimpact.model.choices import FRICTION_BASES
+from microimpact.model.choices import FRICTION_BASES, INTERVAL
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from study.contacts import (
-    BAND,
     DIGITS,
     Posterior,
     calibrated_contact,
@@ -172,7 +171,7 @@ def posterior_bands(params: Params, inputs: Tables, angle: FloatArray) -> pd.Dat
     for panel, quantity in (("adhesion", "impulse_ratio"), ("loss", "translational_energy_loss")):
         values = np.hstack([getattr(outcome, quantity) for outcome in outcomes])
         values = np.where(captured, np.nan, values)[rebound]
-        low, middle, high = np.nanquantile(values, BAND, axis=1)
+        low, middle, high = np.nanquantile(values, INTERVAL, axis=1)
         frames.append(_frame(panel, "posterior", angle[rebound], middle, "calibrated", low, high))
     return pd.concat(frames, ignore_index=True)
 

@@ -50,7 +50,7 @@ def adhesion_raises_friction(y: Curves) -> Stated:
     holds=adhesion_raises_friction,
     method="The rigid body model has the restitution of the normal impact. Contact [[case]].",
     as_shipped="""
-        Shaded: 5 to 95 % of the posterior contacts (figure evidence), each with its own
+        Shaded: 95 % of the posterior contacts (figure evidence), each with its own
         friction coefficient and normal force in Coulomb's law, as far as they rebound. Circles:
         the virtual experiments of Fig. 6 on the smooth front; their agreement is by
         construction.
@@ -65,7 +65,7 @@ def draw_fig18(sheet: Sheet) -> None:
         "rigid body": Series("rigid body model", 1, line="dashed"),
         "virtual experiment": Series("virtual experiment", 6),
         "printed plateau": Series("ends of the printed plateau", 6),
-        "posterior": Series("posterior contacts, 5 to 95 %", 0, band=True),
+        "posterior": Series("95 % of posterior contacts", 0, band=True),
     }
     forces = {
         "compressive": Series("compressive part of the normal force", 0),
@@ -110,7 +110,7 @@ def spin_is_counted_as_lost(y: Curves) -> Stated:
     holds=spin_is_counted_as_lost,
     method="Dynamic simulation, contact [[case]].",
     as_shipped="""
-        Dotted: 5 to 95 % of the translational losses of the posterior contacts that rebound
+        Dotted: 95 % of the translational losses of the posterior contacts that rebound
         (figure evidence). Circles: the virtual experiments of Fig. 6 on the smooth front, whose
         loss is the translational one; their agreement is by construction.
     """,
@@ -125,7 +125,7 @@ def draw_fig21(sheet: Sheet) -> None:
         "total": Series("all kinetic energy", 0),
         "translational": Series("translational energy alone", 1, line="dashed"),
         "virtual experiment": Series("virtual experiment", 6),
-        "posterior": Series("posterior contacts, 5 to 95 %", 1, line="dotted", band=True),
+        "posterior": Series("95 % of posterior contacts", 1, line="dotted", band=True),
     }
     sheet.captured(ax, "capture")
     sheet.draw(ax, losses)

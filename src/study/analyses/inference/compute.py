@@ -21,6 +21,7 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.ensemble import resampled
 from microimpact.core.solve import IntArray
+from microimpact.model.choices import INTERVAL
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.statistics import importance
@@ -42,7 +43,7 @@ from study.analyses.inference.statements import (
     Values,
     values_of,
 )
-from study.contacts import ALL_LAWS, BAND, DRAWN, of_kind
+from study.contacts import ALL_LAWS, DRAWN, of_kind
 from study.declared.documents import entries
 from study.declared.parameters import Count, Name, Points, Seed
 from study.tables import Row, Tables, series_frame
@@ -324,11 +325,11 @@ def profiles(scenario: str, weighed: list[Weighed]) -> pd.DataFrame:
 
 
 def weighted(value: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the quantiles `BAND` of a weighted sample; rows without a value do not count."""
+    """Return the quantiles `INTERVAL` of a weighted sample; rows without a value do not count."""
     known = np.isfinite(value) & (weights > 0.0)
     if not np.any(known):
-        return np.full(len(BAND), np.nan)
-    return np.quantile(value[known], BAND, weights=weights[known], method="inverted_cdf")
+        return np.full(len(INTERVAL), np.nan)
+    return np.quantile(value[known], INTERVAL, weights=weights[known], method="inverted_cdf")
 
 
 def statement_rows(head: Row, case: Case, weighed: Weighed) -> list[Row]:

@@ -102,8 +102,8 @@ def laws_part_below(y: Curves) -> Stated:
     "capture_velocity_summary",
     "Capture velocity of steel on silicon: what is printed, and what follows",
     """
-        Capture velocity at [[pairs.steel-silicon.diameter_um:g]] µm: printed, and 5 to 95 % over all
-        laws of contact. The velocity of the smaller spheres is carried to this size by the
+        Capture velocity at [[pairs.steel-silicon.diameter_um:g]] µm: printed, and the 95 % interval over
+        all laws of contact. The velocity of the smaller spheres is carried to this size by the
         exponent of these laws. An arrow: an upper bound alone. Plausible adhesion: a work of
         adhesion of 0.02 to 0.3 J/m².
     """,
@@ -196,8 +196,8 @@ def draw_capture_velocity_profile(sheet: Sheet) -> None:
     "evidence",
     "Capture velocity and work of adhesion that the article's statements prefer, by law of contact",
     """
-        Median and 5 to 95 % of (a) the capture velocity and (b) the work of adhesion, by law of
-        contact, a line per set of statements that count: scenarios; the first of them with one
+        Median and 95 % interval of (a) the capture velocity and (b) the work of adhesion, by
+        law of contact, a line per set of statements that count: scenarios; the first of them with one
         statement less; the first with another choice. Black: all laws, each with the weight of
         its evidence. Grey: from few contacts. Dotted: printed.
     """,
@@ -217,7 +217,7 @@ def draw_capture_velocity_profile(sheet: Sheet) -> None:
         measured. The size of the spheres that the printed capture velocity is of is not stated.
     """,
     tables={
-        "evidence_summary": "Median and 5 to 95 % of every quantity by scenario and law, evidence "
+        "evidence_summary": "Median and 95 % interval of every quantity by scenario and law, evidence "
         "of the law, its standing and what it misses.",
         "evidence_statements": "Interval of each statement, and the value that the contacts of "
         "each scenario and law have.",
@@ -290,8 +290,8 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, *, named: bool) -> None:
     "posterior_bands",
     "Restitution that the article's statements prefer, by law of contact",
     """
-        Restitution against the normal speed over posterior contacts: median and 5 to 95 %, by
-        law of contact, (a, c) without the printed capture velocities and (b, d) with them. Black
+        Restitution against the normal speed over posterior contacts: median and 95 % interval,
+        by law of contact, (a, c) without the printed capture velocities and (b, d) with them. Black
         lines: the single contacts of the other figures. Diamonds: printed for oblique impact,
         with their intervals; on the axis: printed capture velocities.
     """,

@@ -7,17 +7,18 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from microimpact.model.choices import INTERVAL
 from microimpact.model.contact import resized
 from microimpact.model.dynamics.normal import normal_impact
 from study.analyses.inference.case import WORK, Case
-from study.contacts import ALL_LAWS, BAND, posterior_contact, solved_contacts
+from study.contacts import ALL_LAWS, posterior_contact, solved_contacts
 from study.tables import Tables, series_frame
 
 # A law whose contacts are worth fewer independent ones than this is drawn grey.
 FEW = 50.0
 GREY, PRINTED = "few contacts", "printed"
 # Contacts of a band, at most.
-CONTACTS = 100
+CONTACTS = 200
 # The likelihood does not fall towards rest if what is likely begins below this part of its end.
 OPEN = 0.1
 INTERVALS = {
@@ -126,7 +127,7 @@ def bands(
         few = rows.iloc[:: max(len(rows) // CONTACTS, 1)]
         contact = posterior_contact(inputs, few)
         e = normal_impact(contact, speeds[:, None]).coefficient_of_restitution
-        low, middle, high = np.quantile(e, BAND, axis=1)
+        low, middle, high = np.quantile(e, INTERVAL, axis=1)
         panel = partial(series_frame, f"{name}, {scenario}", x_unit="m_per_s", y_unit="1")
         frames.append(panel(str(law), speeds, middle, "calibrated", low, high))
     for scenario in dict.fromkeys(key.partition("; ")[0] for key in sorted(laws)):

@@ -14,11 +14,11 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.bounds import AboveOne, Positive
+from microimpact.model.choices import INTERVAL
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from study.contacts import (
-    BAND,
     calibrated_contact,
     posterior_contact,
     posterior_rows,
@@ -76,10 +76,10 @@ def run(params: Params, inputs: Tables) -> Tables:
     curves, rows = [], []
     for law, contact in contacts.items():
         limits = capture_velocity(resized(contact, sizes[:, None] * 1e-6))
-        low, middle, high = np.quantile(limits, BAND, axis=1)
+        low, middle, high = np.quantile(limits, INTERVAL, axis=1)
         curves.append(frame(law, sizes, middle, "calibrated", low, high))
         each = exponents(contact, params.smaller_um, params.larger_um[-1])
-        ends = dict(zip(("low", "median", "high"), -np.quantile(-each, BAND[::-1]), strict=True))
+        ends = dict(zip(("low", "median", "high"), -np.quantile(-each, INTERVAL[::-1]), strict=True))
         rows.append({"law": law, **ends, "evidence": "calibrated"})
     for case in params.compared:
         contact = calibrated_contact(inputs, case)

@@ -45,7 +45,7 @@ def rebounds_decide(y: Curves) -> Stated:
     "Capture velocity against the diameter, by law of contact, and the rebounds that decide",
     """
         (a) Capture velocity of [[steel-silicon, n = 0.pair]] against the diameter over
-        posterior contacts, median and 5 to 95 %, by law; black: the single contacts of the
+        posterior contacts, median and 95 % interval, by law; black: the single contacts of the
         other figures. (b) Rebounds per sieve after which the exponents of two laws differ by
         [[standard_errors:g]] standard errors, measured down to 1.2 capture velocities.
     """,
