@@ -29,6 +29,7 @@ from microimpact.model.contact_laws import RING_FORCE
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
+    from microimpact.model.empirical.comparison import Comparison
 
 SYMBOLS = dict(zip(("w_A", "c_H", "c_A", "n"), CALIBRATED[:4], strict=True))
 # First values of what a calibration finds.
@@ -58,6 +59,9 @@ SPREADS = {
     "--sigma": "Standard deviation of e, if no column gives it.",
     "--sigma-v": "Standard deviation of the speeds, if no column gives it: '1.5%' or in m/s.",
     "--size-scatter": "That of the diameters: '7%', or 'free': to be found.",
+}
+CLASSES = {
+    "--classes": "v_c by class: a column ('batch', 'd'), or bins of d in its unit: 'd=20,40'."
 }
 FLOATS = ("--sigma", "--fps", "--um-per-px", "--tilt", "--drag", "--sigma-h", "--sigma-t")
 
@@ -146,7 +150,7 @@ def _cell(value: Any) -> str:
 
 @click.command("fit", cls=Command, short_help="Capture velocity from measured restitutions.")
 @click.argument("data")
-@table_options(TABLE | SPREADS)
+@table_options(TABLE | SPREADS | CLASSES)
 @click.option("--confidence", type=float, default=0.95, show_default=True, help="Of intervals.")
 @click.option("--model", "models", multiple=True, help="Fit only this model; may be repeated.")
 @click.option("--plot", help="Draw data, models and interval: a .png, .svg or .pdf file.")
@@ -174,6 +178,11 @@ def fit_command(
         require_format(plot)
         require_writable(plot)
     measured = _measured(data, reading)
+    if measured.classes is not None:
+        if plot:
+            raise ValueError("--classes makes several fits: leave out --plot")
+        _fit_classes(measured, confidence, models, as_json=as_json)
+        return
     with patience(f"fitting {measured.v.size} points"):
         comparison = compare_models(**measured, confidence=confidence, models=models or None)
     warn(implausible({"capture_velocity": comparison.v_c}))
@@ -182,28 +191,53 @@ def fit_command(
 
         draw(measured, comparison, plot)
     if as_json:
-        numbers = ("free", "v_c", "interval", "chi_square", "criterion", "weight")
-        print_json(
-            {
-                "read": measured.read,
-                "v_c": comparison.v_c,
-                "v_c_interval": list(comparison.v_c_interval),
-                "confidence": comparison.confidence,
-                "sigma": comparison.sigma,
-                "scatter_over_sigma": comparison.scatter,
-                "speeds_and_sizes_exact": comparison.exact,
-                "diameter": comparison.diameter,
-                "size_scatter": comparison.size_scatter,
-                "warnings": list(comparison.warnings),
-                "models": {
-                    model.name: {name: getattr(model, name) for name in numbers}
-                    for model in comparison.models
-                },
-            }
-        )
+        print_json({"read": measured.read, **_numbers(comparison)})
         return
     echo(f"{measured.read}\n{comparison.summary()}")
     warn(comparison.warnings)
+
+
+def _fit_classes(
+    measured: Rebounds, confidence: float, models: tuple[str, ...], *, as_json: bool
+) -> None:
+    """Fit each class, and print the exponent in d."""
+    from microimpact.model.empirical.classes import compare_classes
+
+    with patience(f"fitting {measured.v.size} points by class"):
+        found = compare_classes(
+            measured.classes, **measured, confidence=confidence, models=models or None
+        )
+    if as_json:
+        by_class = {
+            name: {"not_computed": str(of)} if isinstance(of, ValueError) else _numbers(of)
+            for name, of in found.compared.items()
+        }
+        laws = {name: {"exponent": n, "mean_weight": w} for name, (n, w) in found.laws.items()}
+        exponent = {"exponent": found.exponent, "exponent_interval": found.exponent_interval}
+        print_json({"read": measured.read, "classes": by_class, **exponent, "laws": laws})
+        return
+    echo(f"{measured.read}\n{found.summary()}")
+    warn(found.warnings)
+
+
+def _numbers(comparison: Comparison) -> dict[str, Any]:
+    """Numbers of a comparison, as JSON has them."""
+    numbers = ("free", "v_c", "interval", "chi_square", "criterion", "weight", "size_exponent")
+    return {
+        "v_c": comparison.v_c,
+        "v_c_interval": list(comparison.v_c_interval),
+        "confidence": comparison.confidence,
+        "sigma": comparison.sigma,
+        "scatter_over_sigma": comparison.scatter,
+        "speeds_and_sizes_exact": comparison.exact,
+        "diameter": comparison.diameter,
+        "size_scatter": comparison.size_scatter,
+        "warnings": list(comparison.warnings),
+        "models": {
+            model.name: {name: getattr(model, name) for name in numbers}
+            for model in comparison.models
+        },
+    }
 
 
 @click.command("calibrate", cls=Command, short_help="Contacts that measured restitutions admit.")

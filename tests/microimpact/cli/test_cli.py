@@ -630,6 +630,22 @@ def test_help_is_whole_and_in_groups(microimpact):
         assert len(groups) > 1
 
 
+def test_fit_by_classes(microimpact, answered, tmp_path):
+    path, rows = tmp_path / "sized.csv", ["v,e,d (um)"]
+    for d, count in ((20, 8), (40, 8), (60, 2)):
+        limit = 2.0 / d
+        ratios = [1.05, 1.15, 1.3, 1.6, 2.0, 3.0, 5.0, 9.0][:count]
+        rows += [f"{limit * x:.6f},{0.7 * (1 - x**-2) ** 0.5:.6f},{d}" for x in ratios]
+    path.write_text("\n".join(rows))
+    options = ("--classes", "d", "--sigma", "0.01", "--model", "fixed loss")
+    found = answered("fit", str(path), *options)
+    assert found["exponent"] == pytest.approx(-1.0, abs=0.01)
+    assert found["classes"]["20 um"]["v_c"] == pytest.approx(0.1, rel=0.01)
+    assert "points" in found["classes"]["60 um"]["not_computed"]
+    assert "v_c ~ d^n: n = -1.00" in microimpact("fit", str(path), *options).stdout
+    require_refusal(microimpact("fit", str(path), *options, "--plot", "x.svg"), "leave out --plot")
+
+
 def test_heights_are_reduced_and_the_table_is_one_for_fit(microimpact, tmp_path):
     heights, rebounds = tmp_path / "heights.csv", tmp_path / "rebounds.csv"
     heights.write_text("h0 (mm),h1 (mm)\n100,25\n50,0\n10,20\n", encoding="utf-8")

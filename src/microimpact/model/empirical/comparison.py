@@ -96,6 +96,8 @@ class Model(Readable):
         AIC, or AICc where sigma is not given, less that of the best model.
     weight
         Akaike's weight; all sum to 1.
+    size_exponent
+        n of v_c ~ d^n by this model, of given materials, near the median diameter.
     law
         e at normal speeds (n,), m/s.
     """
@@ -107,6 +109,7 @@ class Model(Readable):
     chi_square: float | None
     criterion: float
     weight: float
+    size_exponent: float
     law: Callable[[FloatArray], FloatArray] = field(repr=False)
 
 
@@ -210,7 +213,7 @@ class Comparison(Readable):
         rows = (
             (
                 model.name,
-                *_with_interval(model.v_c, model.interval),
+                *with_interval(model.v_c, model.interval),
                 str(model.free),
                 "" if model.chi_square is None else f"{model.chi_square:.1f}",
                 f"{model.criterion:.1f}",
@@ -218,7 +221,7 @@ class Comparison(Readable):
             )
             for model in self.models
         )
-        v_c, low, high = _with_interval(self.v_c, self.v_c_interval)
+        v_c, low, high = with_interval(self.v_c, self.v_c_interval)
         return (
             f"{table(rows, header)}\n"
             f"v_c = {v_c} m/s, {100 * self.confidence:g} %: {low} to {high} m/s, averaged over the "
@@ -238,8 +241,14 @@ class Comparison(Readable):
         return words
 
 
-def _with_interval(value: float, interval: tuple[float, float]) -> list[str]:
-    """Format a number and the ends of its interval."""
+def with_interval(value: float, interval: tuple[float, float]) -> list[str]:
+    """Format a number and the ends of its interval.
+
+    Parameters
+    ----------
+    value, interval
+        The number, and the ends.
+    """
     low, high = interval
     return [precise(number, high - low) for number in (value, low, high)]
 
@@ -424,6 +433,7 @@ def _compared(
                 chi_square=float(chi_square[k, i]) if known else None,
                 criterion=float(criterion[k, i]),
                 weight=float(weights[k, i]),
+                size_exponent=-scatter.size_exponent(candidate.law, drawn[k].x[i]),
                 law=partial(_in_metres, candidate, data, drawn[k].x[i], float(v_c[k, i])),
             )
             for k, (name, candidate) in enumerate(tried.items())
