@@ -153,6 +153,7 @@ def _cell(value: Any) -> str:
 @table_options(TABLE | SPREADS | CLASSES)
 @click.option("--confidence", type=float, default=0.95, show_default=True, help="Of intervals.")
 @click.option("--model", "models", multiple=True, help="Fit only this model; may be repeated.")
+@click.option("--tails", help="Of the scatter of e: degrees of freedom of Student's t, or 'free'.")
 @click.option("--plot", help="Draw data, models and interval: a .png, .svg or .pdf file.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
 def fit_command(
@@ -160,6 +161,7 @@ def fit_command(
     reading: Mapping[str, Any],
     confidence: float,
     models: tuple[str, ...],
+    tails: str | None,
     plot: str | None,
     as_json: bool,
 ) -> None:
@@ -172,6 +174,11 @@ def fit_command(
     """
     from microimpact.model.empirical.comparison import compare_models
 
+    options: dict[str, Any] = {
+        "confidence": confidence,
+        "models": models or None,
+        "tails": _tails(tails),
+    }
     if plot:
         from microimpact.measured.picture import require_format
 
@@ -181,10 +188,10 @@ def fit_command(
     if measured.classes is not None:
         if plot:
             raise ValueError("--classes makes several fits: leave out --plot")
-        _fit_classes(measured, confidence, models, as_json=as_json)
+        _fit_classes(measured, options, as_json=as_json)
         return
     with patience(f"fitting {measured.v.size} points"):
-        comparison = compare_models(**measured, confidence=confidence, models=models or None)
+        comparison = compare_models(**measured, **options)
     warn(implausible({"capture_velocity": comparison.v_c}))
     if plot:
         from microimpact.measured.picture import draw
@@ -197,16 +204,23 @@ def fit_command(
     warn(comparison.warnings)
 
 
-def _fit_classes(
-    measured: Rebounds, confidence: float, models: tuple[str, ...], *, as_json: bool
-) -> None:
+def _tails(text: str | None) -> float | str | None:
+    """Degrees of freedom, or ``"free"``."""
+    try:
+        return text if text in {None, "free"} else float(text)
+    except ValueError:
+        raise ValueError(
+            f"--tails must be degrees of freedom, 1 or more, or free, got {text!r}"
+        ) from None
+
+
+def _fit_classes(measured: Rebounds, options: Mapping[str, Any], *, as_json: bool) -> None:
     """Fit each class, and print the exponent in d."""
     from microimpact.model.empirical.classes import compare_classes
 
+    assert measured.classes is not None
     with patience(f"fitting {measured.v.size} points by class"):
-        found = compare_classes(
-            measured.classes, **measured, confidence=confidence, models=models or None
-        )
+        found = compare_classes(measured.classes, **measured, **options)
     if as_json:
         by_class = {
             name: {"not_computed": str(of)} if isinstance(of, ValueError) else _numbers(of)
@@ -229,6 +243,7 @@ def _numbers(comparison: Comparison) -> dict[str, Any]:
         "confidence": comparison.confidence,
         "sigma": comparison.sigma,
         "scatter_over_sigma": comparison.scatter,
+        "tails": comparison.tails,
         "speeds_and_sizes_exact": comparison.exact,
         "diameter": comparison.diameter,
         "size_scatter": comparison.size_scatter,

@@ -216,7 +216,11 @@ def read_rebounds(
     total, v = _speeds(table, notes)
     after = "e" if "e" in table.cells else "V"
     captured = _captured(table, after)
-    arrays = {"v": v, "total": total, **_restitutions(table, v, after, captured, sigma)}
+    arrays: dict[str, Any] = {
+        "v": v,
+        "total": total,
+        **_restitutions(table, v, after, captured, sigma),
+    }
     if (relative := _relative(table, "v", total, "sigma_v", sigma_v)) is not None:
         arrays["sigma_v"] = v * relative
     size = _sizes(table)

@@ -219,6 +219,7 @@ REFUSED = [
         "--size-scatter must be as '7%' or 'free', below 50 %, got '7'",
     ),
     ("fit own.csv --confidence 95", "confidence must be"),
+    ("fit own.csv --tails heavy", "--tails must be degrees of freedom, 1 or more, or free"),
     ("fit nowhere.csv --plot x.bmp", "plot must end in"),
     ("fit nowhere.csv --plot own.csv/x.png", "own.csv/x.png: cannot be written: Not a directory"),
     ("capture --particle a --surface b --materials /dev/null", "/dev/null: the header must have"),
@@ -643,6 +644,7 @@ def test_fit_by_classes(microimpact, answered, tmp_path):
     assert found["classes"]["20 um"]["v_c"] == pytest.approx(0.1, rel=0.01)
     assert "points" in found["classes"]["60 um"]["not_computed"]
     assert "v_c ~ d^n: n = -1.00" in microimpact("fit", str(path), *options).stdout
+    assert answered("fit", str(path), *options, "--tails", "4")["classes"]["20 um"]["tails"] == 4.0
     require_refusal(microimpact("fit", str(path), *options, "--plot", "x.svg"), "leave out --plot")
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import FloatArray, Numbers
+from microimpact.core.arrays import FloatArray, Numbers, checked
 from microimpact.core.computable import NotComputable
 from microimpact.core.readable import Readable, table
 from microimpact.model.empirical.comparison import Comparison, compare_models, with_interval
@@ -45,7 +45,8 @@ class Classes(Readable):
 
     def summary(self) -> str:
         """Classes with their intervals, the exponent, and those of the laws, as text."""
-        rows, reasons = [], []
+        rows: list[tuple[str, ...]] = []
+        reasons = []
         for name, of in self.compared.items():
             if isinstance(of, NotComputable):
                 rows.append((name, "", "not computed", "", "", "", ""))
@@ -64,12 +65,12 @@ class Classes(Readable):
             f"v_c ~ d^n: n = {self.exponent:.3f}, {100 * self.confidence:g} %: {low:.3f} to "
             f"{high:.3f}, the classes weighted by their intervals."
         )
-        rows = [
+        laws = [
             (name, f"{n:.3f}", "yes" if low <= n <= high else "no", f"{weight:.2f}")
             for name, (n, weight) in self.laws.items()
         ]
         header = ("model", "n of given materials", "in the interval", "mean weight")
-        return "\n".join([*lines, table(rows, header)])
+        return "\n".join([*lines, table(laws, header)])
 
 
 def compare_classes(
@@ -103,15 +104,16 @@ def compare_classes(
         As of `compare_models`; a class with too few data costs its row only.
     """
     names = np.ravel(classes).astype(str)
-    arrays = {"v": v, "e": e, "sigma": sigma, "sigma_v": sigma_v, "d": d}
+    arrays: dict[str, Any] = {"v": v, "e": e, "sigma": sigma, "sigma_v": sigma_v, "d": d}
     arrays["size_scatter"] = size_scatter
-    if names.shape != np.shape(v):
-        raise ValueError(f"classes must be of the shape of v, {np.shape(v)}, got {names.shape}")
+    if names.shape != np.shape(np.asarray(v)):
+        raise ValueError(
+            f"classes must be of the shape of v, {np.shape(np.asarray(v))}, got {names.shape}"
+        )
     compared: dict[str, Comparison | NotComputable] = {}
     for name in dict.fromkeys(names.tolist()):
         rows = names == name
-        mine: dict[str, Any] = {k: x if np.ndim(x) == 0 else np.asarray(x)[rows]
-                                for k, x in arrays.items()}  # fmt: skip
+        mine = {key: x[rows] if np.ndim(x) else x for key, x in arrays.items()}
         try:
             compared[name] = compare_models(**mine, confidence=confidence, **options)
         except NotComputable as reason:
@@ -145,7 +147,7 @@ def _exponent(
     used: Sequence[Comparison], confidence: float
 ) -> tuple[float | None, tuple[float, float] | None]:
     """Slope of ln v_c over ln d, and its interval."""
-    x = np.log([of.diameter for of in used])
+    x: FloatArray = np.log([float(of.diameter or np.nan) for of in used])
     if x.size < 2 or np.ptp(x) == 0.0:
         return None, None
     y: FloatArray = np.log([of.v_c for of in used])
