@@ -220,18 +220,18 @@ def _fit_classes(measured: Rebounds, options: Mapping[str, Any], *, as_json: boo
 
     assert measured.classes is not None
     with patience(f"fitting {measured.v.size} points by class"):
-        found = compare_classes(measured.classes, **measured, **options)
+        fits = compare_classes(measured.classes, **measured, **options)
     if as_json:
         by_class = {
-            name: {"not_computed": str(of)} if isinstance(of, ValueError) else _numbers(of)
-            for name, of in found.compared.items()
+            name: {"not_computed": str(fit)} if isinstance(fit, ValueError) else _numbers(fit)
+            for name, fit in fits.compared.items()
         }
-        laws = {name: {"exponent": n, "mean_weight": w} for name, (n, w) in found.laws.items()}
-        exponent = {"exponent": found.exponent, "exponent_interval": found.exponent_interval}
+        laws = {name: {"exponent": n, "mean_weight": w} for name, (n, w) in fits.laws.items()}
+        exponent = {"exponent": fits.exponent, "exponent_interval": fits.exponent_interval}
         print_json({"read": measured.read, "classes": by_class, **exponent, "laws": laws})
         return
-    echo(f"{measured.read}\n{found.summary()}")
-    warn(found.warnings)
+    echo(f"{measured.read}\n{fits.summary()}")
+    warn(fits.warnings)
 
 
 def _numbers(comparison: Comparison) -> dict[str, Any]:

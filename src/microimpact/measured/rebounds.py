@@ -355,7 +355,7 @@ def _classes(table: Table, by: str, bins: str) -> ObjectArray:
     if len(edges) < 2 or not np.all(np.diff(edges) > 0.0):
         raise ValueError(f"--classes must be as d=20,40,80, in ascending order, got {by}={bins}")
     names = ["", *(f"{low:g} to {high:g} {unit}" for low, high in pairwise(edges)), ""]
-    return np.array(names, dtype=object)[np.digitize(size, edges)]
+    return np.array(names, dtype=object)[np.searchsorted(edges, size, side="right")]
 
 
 def _relative(

@@ -47,14 +47,14 @@ class Classes(Readable):
         """Classes with their intervals, the exponent, and those of the laws, as text."""
         rows: list[tuple[str, ...]] = []
         reasons = []
-        for name, of in self.compared.items():
-            if isinstance(of, NotComputable):
+        for name, fit in self.compared.items():
+            if isinstance(fit, NotComputable):
                 rows.append((name, "", "not computed", "", "", "", ""))
-                reasons.append(f"{name}: {of}")
+                reasons.append(f"{name}: {fit}")
                 continue
-            size = "" if of.diameter is None else f"{1e6 * of.diameter:.4g}"
-            best = of.models[0]
-            cells = with_interval(of.v_c, of.v_c_interval)
+            size = "" if fit.diameter is None else f"{1e6 * fit.diameter:.4g}"
+            best = fit.models[0]
+            cells = with_interval(fit.v_c, fit.v_c_interval)
             rows.append((name, size, *cells, best.name, f"{best.weight:.2f}"))
         header = ("class", "d (um)", "v_c (m/s)", "from", "to", "best model", "weight")
         lines = [table(rows, header), *reasons]
@@ -69,8 +69,8 @@ class Classes(Readable):
             (name, f"{n:.3f}", "yes" if low <= n <= high else "no", f"{weight:.2f}")
             for name, (n, weight) in self.laws.items()
         ]
-        header = ("model", "n of given materials", "in the interval", "mean weight")
-        return "\n".join([*lines, table(laws, header)])
+        names = ("model", "n of given materials", "in the interval", "mean weight")
+        return "\n".join([*lines, table(laws, names)])
 
 
 def compare_classes(
@@ -104,12 +104,15 @@ def compare_classes(
         As of `compare_models`; a class with too few data costs its row only.
     """
     names = np.ravel(classes).astype(str)
-    arrays: dict[str, Any] = {"v": v, "e": e, "sigma": sigma, "sigma_v": sigma_v, "d": d}
-    arrays["size_scatter"] = size_scatter
-    if names.shape != np.shape(np.asarray(v)):
-        raise ValueError(
-            f"classes must be of the shape of v, {np.shape(np.asarray(v))}, got {names.shape}"
-        )
+    values: dict[str, Any] = {"v": v, "e": e, "sigma": sigma, "sigma_v": sigma_v, "d": d}
+    values["size_scatter"] = size_scatter
+    arrays: dict[str, Any] = {
+        name: x if x is None or isinstance(x, str) else checked(name, x)
+        for name, x in values.items()
+    }
+    if names.shape != np.shape(arrays["v"]):
+        shape = np.shape(arrays["v"])
+        raise ValueError(f"classes must be of the shape of v, {shape}, got {names.shape}")
     compared: dict[str, Comparison | NotComputable] = {}
     for name in dict.fromkeys(names.tolist()):
         rows = names == name
@@ -119,14 +122,14 @@ def compare_classes(
         except NotComputable as reason:
             compared[name] = reason
     compared = dict(sorted(compared.items(), key=lambda pair: _size(pair[1])))
-    found = {name: of for name, of in compared.items() if isinstance(of, Comparison)}
-    warnings = [f"{name}: {word}" for name, of in found.items() for word in of.warnings]
+    fits = {name: fit for name, fit in compared.items() if isinstance(fit, Comparison)}
+    warnings = [f"{name}: {word}" for name, fit in fits.items() for word in fit.warnings]
     # An open interval has no standard deviation.
-    used = [of for of in found.values() if of.diameter is not None and of.v_c_interval[0] > 0.0]
+    used = [fit for fit in fits.values() if fit.diameter is not None and fit.v_c_interval[0] > 0.0]
     warnings += [
         f"{name}: the data do not bound v_c, so that the class does not count for the exponent"
-        for name, of in found.items()
-        if of.diameter is not None and of not in used
+        for name, fit in fits.items()
+        if fit.diameter is not None and fit not in used
     ]
     exponent, interval = _exponent(used, confidence)
     return Classes(
@@ -134,26 +137,26 @@ def compare_classes(
         exponent=exponent,
         exponent_interval=interval,
         confidence=confidence,
-        laws=_laws([*found.values()]),
+        laws=_laws([*fits.values()]),
         warnings=tuple(warnings),
     )
 
 
-def _size(of: Comparison | NotComputable) -> float:
-    return of.diameter or 0.0 if isinstance(of, Comparison) else np.inf
+def _size(fit: Comparison | NotComputable) -> float:
+    return fit.diameter or 0.0 if isinstance(fit, Comparison) else np.inf
 
 
 def _exponent(
     used: Sequence[Comparison], confidence: float
 ) -> tuple[float | None, tuple[float, float] | None]:
     """Slope of ln v_c over ln d, and its interval."""
-    x: FloatArray = np.log([float(of.diameter or np.nan) for of in used])
+    x: FloatArray = np.log([float(fit.diameter or np.nan) for fit in used])
     if x.size < 2 or np.ptp(x) == 0.0:
         return None, None
-    y: FloatArray = np.log([of.v_c for of in used])
+    y: FloatArray = np.log([fit.v_c for fit in used])
     level = 0.5 + 0.5 * confidence
     normal = float(scipy.special.ndtri(level))
-    sigma = np.array([np.log(of.v_c_interval[1] / of.v_c_interval[0]) for of in used])
+    sigma = np.array([np.log(fit.v_c_interval[1] / fit.v_c_interval[0]) for fit in used])
     weight = (2.0 * normal / sigma) ** 2
     middle_x, middle_y = np.average(x, weights=weight), np.average(y, weights=weight)
     information = np.sum(weight * (x - middle_x) ** 2)
@@ -166,14 +169,14 @@ def _exponent(
     return slope, (slope - half, slope + half)
 
 
-def _laws(found: Sequence[Comparison]) -> dict[str, tuple[float, float]]:
+def _laws(fits: Sequence[Comparison]) -> dict[str, tuple[float, float]]:
     """Mean exponent and weight of each model, the heaviest first."""
     by_name: dict[str, list[tuple[float, float]]] = {}
-    for of in found:
-        for model in of.models:
+    for fit in fits:
+        for model in fit.models:
             by_name.setdefault(model.name, []).append((model.size_exponent, model.weight))
     means = {
-        name: (float(np.mean([n for n, _ in pairs])), sum(w for _, w in pairs) / len(found))
+        name: (float(np.mean([n for n, _ in pairs])), sum(w for _, w in pairs) / len(fits))
         for name, pairs in by_name.items()
     }
     return dict(sorted(means.items(), key=lambda pair: -pair[1][1]))

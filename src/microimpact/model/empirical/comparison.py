@@ -349,7 +349,9 @@ def compare_sets(
         data, order, known, diameter = _checked(*each)
         heavy = tails_of(tails, known=known)
         if heavy and data.scatter:
-            raise ValueError("tails must be left out where speeds have errors or sizes scatter")
+            if np.any(data.scatter.rows):
+                raise ValueError("tails must be left out where speeds have errors or sizes scatter")
+            data = replace(data, scatter=None)
         data, known = replace(data, tails=heavy), known and heavy is None
         said = data.scatter and data.scatter[1:]
         kind = order.size, int(np.sum(data.v >= 1.0)), known, said
@@ -759,8 +761,8 @@ def _residuals(
     in_sigma = missed * data.weight[0, telling]
     if data.tails is not None:
         curve = model.restitution(x, v_c, data.v[0])
-        found, weights = data.tails.likeliest((data.e - curve) * data.weight, e.size)
-        _, scale, tails = found[0].tolist()
+        student, weights = data.tails.likeliest((data.e - curve) * data.weight, e.size)
+        _, scale, tails = student[0].tolist()
         share = weights[0, telling] * scale**2
         return _Residuals(rows[telling], v, e, missed, in_sigma / scale, share, scale, tails)
     if not known:
@@ -772,7 +774,7 @@ def _residuals(
 def _scales(
     residuals: _Residuals, left: float, data: DataSets, known: bool
 ) -> tuple[float | None, float]:
-    """Sigma of e where it is estimated, else None; what it is over the one given, or 1."""
+    """Sigma of e where it is estimated, else None; its ratio to sigma as stated, or 1."""
     scale = residuals.sigma or float(np.sqrt(left))
     if known or (data.tails is not None and data.tails.known):
         return None, scale

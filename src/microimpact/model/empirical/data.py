@@ -233,11 +233,11 @@ class Tails(NamedTuple):
         count
             Number of rebounds among them, of a shape that broadcasts to (m,).
         """
-        found, weights = np.empty((len(missed), 3)), np.empty(missed.shape)
+        student, weights = np.empty((len(missed), 3)), np.empty(missed.shape)
         number = np.array(np.broadcast_to(np.asarray(count, float), len(missed)))
         least = 1.0 if self.known else LEAST_SIGMA
-        heavy_tails(np.ascontiguousarray(missed), number, self.density(), least, found, weights)
-        return found, weights
+        heavy_tails(np.ascontiguousarray(missed), number, self.density(), least, student, weights)
+        return student, weights
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -110,7 +110,7 @@ def curves(grid, places, at, rows) -> None:  # type: ignore[no-untyped-def]
 
 @_jit
 def _log_variance(missed, count, nu, least):  # type: ignore[no-untyped-def]
-    """Logarithm of the likeliest squared scale of Student's t, from that of ``least`` up."""
+    """Logarithm of the likeliest squared scale of Student's t, at least ``least`` squared."""
     total = 0.0
     for each in missed:
         total += each**2
@@ -135,7 +135,7 @@ def _log_variance(missed, count, nu, least):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def heavy_tails(missed, count, freedoms, least, found, weights):  # type: ignore[no-untyped-def]
+def heavy_tails(missed, count, freedoms, least, student, weights):  # type: ignore[no-untyped-def]
     """Put the likeliest scale and freedom of Student's t of residuals, and their weights.
 
     Parameters
@@ -149,24 +149,24 @@ def heavy_tails(missed, count, freedoms, least, found, weights):  # type: ignore
         normal one, by datum, (k, 2).
     least
         Least scale.
-    found
+    student
         Room for the deviance, the scale and its freedom, (m, 3).
     weights
         Room for the weights of the squares of residuals, (m, n).
     """
     for m in range(len(missed)):
-        found[m, 0] = np.inf
+        student[m, 0] = np.inf
         for k in range(len(freedoms)):
             nu = freedoms[k, 0]
             u = _log_variance(missed[m], count[m], nu, least)
             deviance = count[m] * (u + freedoms[k, 1])
             for each in missed[m]:
                 deviance += (nu + 1.0) * math.log1p(each**2 * math.exp(-u) / nu)
-            if deviance < found[m, 0]:
-                found[m, 0], found[m, 1], found[m, 2] = deviance, math.exp(0.5 * u), nu
+            if deviance < student[m, 0]:
+                student[m, 0], student[m, 1], student[m, 2] = deviance, math.exp(0.5 * u), nu
         for i in range(missed.shape[1]):
-            square = found[m, 2] * found[m, 1] ** 2 + missed[m, i] ** 2
-            weights[m, i] = (found[m, 2] + 1.0) / square
+            square = student[m, 2] * student[m, 1] ** 2 + missed[m, i] ** 2
+            weights[m, i] = (student[m, 2] + 1.0) / square
 
 
 # Variables of a search under scatter: four of the curve, and logarithms of factors of the standard

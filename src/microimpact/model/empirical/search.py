@@ -148,9 +148,9 @@ def misfits(
     """
     if sets.tails is None:
         return squares(missed, slopes)
-    found, weights = sets.tails.likeliest(missed, np.sum(sets.v[owner] >= 1.0, axis=1))
+    student, weights = sets.tails.likeliest(missed, np.sum(sets.v[owner] >= 1.0, axis=1))
     root = np.sqrt(weights)
-    return (found[:, 0], *squares(missed * root, slopes * root[..., None])[1:])
+    return (student[:, 0], *squares(missed * root, slopes * root[..., None])[1:])
 
 
 def lowest(
