@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
+import shlex
+import sys
 from collections.abc import Callable, Mapping
 from functools import wraps
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -29,6 +32,7 @@ from microimpact.model.contact_laws import RING_FORCE
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
+    from microimpact.model.empirical.classes import Classes
     from microimpact.model.empirical.comparison import Comparison
 
 SYMBOLS = dict(zip(("w_A", "c_H", "c_A", "n"), CALIBRATED[:4], strict=True))
@@ -155,6 +159,7 @@ def _cell(value: Any) -> str:
 @click.option("--model", "models", multiple=True, help="Fit only this model; may be repeated.")
 @click.option("--tails", help="Of the scatter of e: degrees of freedom of Student's t, or 'free'.")
 @click.option("--plot", help="Draw data, models and interval: a .png, .svg or .pdf file.")
+@click.option("--report", help="Folder of a page with data, models, picture and warnings.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
 def fit_command(
     data: str,
@@ -163,6 +168,7 @@ def fit_command(
     models: tuple[str, ...],
     tails: str | None,
     plot: str | None,
+    report: str | None,
     as_json: bool,
 ) -> None:
     """Find the capture velocity from measured restitutions, by several models.
@@ -172,36 +178,55 @@ def fit_command(
     angle (degrees from the surface; v is then the total speed). A header may have a unit: v (cm/s),
     sigma_v (%). Comments begin with # or %. Other columns are not used.
     """
-    from microimpact.model.empirical.comparison import compare_models
+    options: dict[str, Any] = {"confidence": confidence, "models": models or None}
+    options["tails"] = _tails(tails)
+    _require_outputs(plot, report)
+    measured = _measured(data, reading)
+    if plot and measured.classes is not None:
+        raise ValueError("--classes makes several fits: leave out --plot; --report draws each")
+    fit = _fitted(measured, options)
+    if plot:
+        from microimpact.measured.picture import draw
 
-    options: dict[str, Any] = {
-        "confidence": confidence,
-        "models": models or None,
-        "tails": _tails(tails),
-    }
+        draw(measured, fit, plot)
+    if report:
+        from microimpact.measured.report import write_report
+
+        write_report(report, measured, fit, shlex.join(["microimpact", *sys.argv[1:]]))
+    if as_json:
+        numbers = _numbers(fit) if measured.classes is None else _numbers_by_class(fit)
+        print_json({"read": measured.read, **numbers})
+        return
+    echo(f"{measured.read}\n{fit.summary()}")
+    if report:
+        echo(f"Written: {report}")
+    warn(fit.warnings)
+
+
+def _require_outputs(plot: str | None, report: str | None) -> None:
+    """Refuse outputs that cannot be written, or lack a package, before the fit."""
     if plot:
         from microimpact.measured.picture import require_format
 
         require_format(plot)
         require_writable(plot)
-    measured = _measured(data, reading)
-    if measured.classes is not None:
-        if plot:
-            raise ValueError("--classes makes several fits: leave out --plot")
-        _fit_classes(measured, options, as_json=as_json)
-        return
+    if report:
+        from microimpact.measured.report import PAGE
+
+        require_writable(Path(report) / PAGE)
+
+
+def _fitted(measured: Rebounds, options: Mapping[str, Any]) -> Any:
+    """Models of all data, or of each class."""
+    from microimpact.model.empirical.classes import compare_classes
+    from microimpact.model.empirical.comparison import compare_models
+
     with patience(f"fitting {measured.v.size} points"):
+        if measured.classes is not None:
+            return compare_classes(measured.classes, **measured, **options)
         comparison = compare_models(**measured, **options)
     warn(implausible({"capture_velocity": comparison.v_c}))
-    if plot:
-        from microimpact.measured.picture import draw
-
-        draw(measured, comparison, plot)
-    if as_json:
-        print_json({"read": measured.read, **_numbers(comparison)})
-        return
-    echo(f"{measured.read}\n{comparison.summary()}")
-    warn(comparison.warnings)
+    return comparison
 
 
 def _tails(text: str | None) -> float | str | None:
@@ -214,24 +239,15 @@ def _tails(text: str | None) -> float | str | None:
         ) from None
 
 
-def _fit_classes(measured: Rebounds, options: Mapping[str, Any], *, as_json: bool) -> None:
-    """Fit each class, and print the exponent in d."""
-    from microimpact.model.empirical.classes import compare_classes
-
-    assert measured.classes is not None
-    with patience(f"fitting {measured.v.size} points by class"):
-        fits = compare_classes(measured.classes, **measured, **options)
-    if as_json:
-        by_class = {
-            name: {"not_computed": str(fit)} if isinstance(fit, ValueError) else _numbers(fit)
-            for name, fit in fits.compared.items()
-        }
-        laws = {name: {"exponent": n, "mean_weight": w} for name, (n, w) in fits.laws.items()}
-        exponent = {"exponent": fits.exponent, "exponent_interval": fits.exponent_interval}
-        print_json({"read": measured.read, "classes": by_class, **exponent, "laws": laws})
-        return
-    echo(f"{measured.read}\n{fits.summary()}")
-    warn(fits.warnings)
+def _numbers_by_class(fit: Classes) -> dict[str, Any]:
+    """Numbers of all classes, as JSON has them."""
+    by_class = {
+        name: {"not_computed": str(each)} if isinstance(each, ValueError) else _numbers(each)
+        for name, each in fit.compared.items()
+    }
+    laws = {name: {"exponent": n, "mean_weight": w} for name, (n, w) in fit.laws.items()}
+    exponent = {"exponent": fit.exponent, "exponent_interval": fit.exponent_interval}
+    return {"classes": by_class, **exponent, "laws": laws}
 
 
 def _numbers(comparison: Comparison) -> dict[str, Any]:

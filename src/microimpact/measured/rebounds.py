@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
@@ -26,6 +26,7 @@ from microimpact.measured.table import (
     read_table,
 )
 from microimpact.model.choices import NOISE
+from microimpact.model.empirical.data import Places
 
 BEFORE = Column(
     units=SPEED_UNITS,
@@ -133,6 +134,20 @@ class Rebounds(Readable):
         if name not in _ARGUMENTS:
             raise KeyError(name)
         return getattr(self, name)
+
+    def select(self, rows: Places) -> Rebounds:
+        """Return some of the rows.
+
+        Parameters
+        ----------
+        rows
+            Their numbers, (m,).
+        """
+        arrays = {f.name: getattr(self, f.name) for f in fields(self)}
+        parts: dict[str, Any] = {
+            name: x[rows] for name, x in arrays.items() if isinstance(x, np.ndarray)
+        }
+        return replace(self, **parts)
 
     @property
     def warnings(self) -> tuple[str, ...]:
