@@ -59,6 +59,12 @@ SIZES_UM, ANGLES, NOISES = (30.0, 62.0, 150.0), (50.0, 80.0), (4.0, 16.0)
 SPEED, RESTITUTION, KEPT = 1.0, 0.6, 0.8
 CHAIN_ANGLE, CHAIN_IMPACTS, SLOWEST, FASTEST = 80.0, 24, 0.2, 1.6
 SEED = 20430
+MADE = """\
+# Made by the virtual laboratory: python -m benchmarks.reduction --tracks > docs/examples/tracks.csv
+# 24 spheres of stainless steel, 62 um, 0.2 to 1.6 m/s, on silicon at 80 degrees (the ring force of
+# config/contacts.csv); a frame per pulse of light, 10 um per pixel; the wall at -10 degrees in the
+# picture, with a tilt of its own for each sphere, of 0.25 degrees standard deviation.
+"""
 HEADER = ("diameter_um", "angle_deg", "noise_counts", "impacts", "left_out", "e_bias_over_sigma",
           "e_within_sigma", "v_bias_over_sigma", "v_within_sigma", "v_c_held", "sets")  # fmt: skip
 
@@ -181,6 +187,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     table = csv.writer(sys.stdout, lineterminator="\n")
     if options.tracks:
+        sys.stdout.write(MADE)
         table.writerows(tracks(np.random.default_rng(SEED)))
         return
     table.writerow(HEADER)

@@ -217,7 +217,11 @@ def test_the_physics_needs_none_of_the_studys_packages(tmp_path):
         ["calibrate", *pair, *targets, "-o", str(drawn)],
         ["simulate", "--contact", str(drawn), "--speed", "1", "--json"],
     ]
-    lacking = ["calibrate", str(data), *pair, "--sigma", "0.02"], ["compare", "x", "x"]
+    lacking = [
+        ["fit", str(data), "--report", str(tmp_path / "report")],
+        ["calibrate", str(data), *pair, "--sigma", "0.02"],
+        ["compare", "x", "x"],
+    ]
     code = (
         f"{ALONE}{IMPACT}\n"
         "from microimpact import fit_restitution, tabulate, trajectory\n"
@@ -228,8 +232,9 @@ def test_the_physics_needs_none_of_the_studys_packages(tmp_path):
         "        print('ended', end.code)\n"
     )
     done = execute(sys.executable, "-c", code)
-    assert done.stdout.rstrip().endswith("ended 2\nended 2")
+    assert done.stdout.rstrip().endswith("ended 2\nended 2\nended 2")
     assert "needs emcee: pip install '.[calibrate]'" in done.stderr
+    assert "needs jinja2: pip install '.[report]'" in done.stderr
 
 
 def test_the_page_on_python_runs_with_the_physics_alone(tmp_path):

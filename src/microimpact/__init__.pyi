@@ -17,6 +17,7 @@ from .model import Trajectory as Trajectory
 from .model import bootstrap_v_c as bootstrap_v_c
 from .model import calibrate_laws as calibrate_laws
 from .model import capture_velocity as capture_velocity
+from .model import compare_classes as compare_classes
 from .model import compare_models as compare_models
 from .model import export as export
 from .model import fit_restitution as fit_restitution

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
+import shlex
+import sys
 from collections.abc import Callable, Mapping
 from functools import wraps
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -29,6 +32,8 @@ from microimpact.model.contact_laws import RING_FORCE
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
+    from microimpact.model.empirical.classes import Classes
+    from microimpact.model.empirical.comparison import Comparison
 
 SYMBOLS = dict(zip(("w_A", "c_H", "c_A", "n"), CALIBRATED[:4], strict=True))
 # First values of what a calibration finds.
@@ -58,6 +63,9 @@ SPREADS = {
     "--sigma": "Standard deviation of e, if no column gives it.",
     "--sigma-v": "Standard deviation of the speeds, if no column gives it: '1.5%' or in m/s.",
     "--size-scatter": "That of the diameters: '7%', or 'free': to be found.",
+}
+CLASSES = {
+    "--classes": "v_c by class: a column ('batch', 'd'), or bins of d in its unit: 'd=20,40'."
 }
 FLOATS = ("--sigma", "--fps", "--um-per-px", "--tilt", "--drag", "--sigma-h", "--sigma-t")
 
@@ -146,17 +154,21 @@ def _cell(value: Any) -> str:
 
 @click.command("fit", cls=Command, short_help="Capture velocity from measured restitutions.")
 @click.argument("data")
-@table_options(TABLE | SPREADS)
+@table_options(TABLE | SPREADS | CLASSES)
 @click.option("--confidence", type=float, default=0.95, show_default=True, help="Of intervals.")
 @click.option("--model", "models", multiple=True, help="Fit only this model; may be repeated.")
+@click.option("--tails", help="Of the scatter of e: degrees of freedom of Student's t, or 'free'.")
 @click.option("--plot", help="Draw data, models and interval: a .png, .svg or .pdf file.")
+@click.option("--report", help="Folder of a page with data, models, picture and warnings.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
 def fit_command(
     data: str,
     reading: Mapping[str, Any],
     confidence: float,
     models: tuple[str, ...],
+    tails: str | None,
     plot: str | None,
+    report: str | None,
     as_json: bool,
 ) -> None:
     """Find the capture velocity from measured restitutions, by several models.
@@ -166,44 +178,97 @@ def fit_command(
     angle (degrees from the surface; v is then the total speed). A header may have a unit: v (cm/s),
     sigma_v (%). Comments begin with # or %. Other columns are not used.
     """
-    from microimpact.model.empirical.comparison import compare_models
+    options: dict[str, Any] = {"confidence": confidence, "models": models or None}
+    options["tails"] = _tails(tails)
+    _require_outputs(plot, report)
+    measured = _measured(data, reading)
+    if plot and measured.classes is not None:
+        raise ValueError("--classes makes several fits: leave out --plot; --report draws each")
+    fit = _fitted(measured, options)
+    if plot:
+        from microimpact.measured.picture import draw
 
+        draw(measured, fit, plot)
+    if report:
+        from microimpact.measured.report import write_report
+
+        write_report(report, measured, fit, shlex.join(["microimpact", *sys.argv[1:]]))
+    if as_json:
+        numbers = _numbers(fit) if measured.classes is None else _numbers_by_class(fit)
+        print_json({"read": measured.read, **numbers})
+        return
+    echo(f"{measured.read}\n{fit.summary()}")
+    if report:
+        echo(f"Written: {report}")
+    warn(fit.warnings)
+
+
+def _require_outputs(plot: str | None, report: str | None) -> None:
+    """Refuse outputs that cannot be written, or lack a package, before the fit."""
     if plot:
         from microimpact.measured.picture import require_format
 
         require_format(plot)
         require_writable(plot)
-    measured = _measured(data, reading)
-    with patience(f"fitting {measured.v.size} points"):
-        comparison = compare_models(**measured, confidence=confidence, models=models or None)
-    warn(implausible({"capture_velocity": comparison.v_c}))
-    if plot:
-        from microimpact.measured.picture import draw
+    if report:
+        from microimpact.measured.report import PAGE
 
-        draw(measured, comparison, plot)
-    if as_json:
-        numbers = ("free", "v_c", "interval", "chi_square", "criterion", "weight")
-        print_json(
-            {
-                "read": measured.read,
-                "v_c": comparison.v_c,
-                "v_c_interval": list(comparison.v_c_interval),
-                "confidence": comparison.confidence,
-                "sigma": comparison.sigma,
-                "scatter_over_sigma": comparison.scatter,
-                "speeds_and_sizes_exact": comparison.exact,
-                "diameter": comparison.diameter,
-                "size_scatter": comparison.size_scatter,
-                "warnings": list(comparison.warnings),
-                "models": {
-                    model.name: {name: getattr(model, name) for name in numbers}
-                    for model in comparison.models
-                },
-            }
-        )
-        return
-    echo(f"{measured.read}\n{comparison.summary()}")
-    warn(comparison.warnings)
+        require_writable(Path(report) / PAGE)
+
+
+def _fitted(measured: Rebounds, options: Mapping[str, Any]) -> Any:
+    """Models of all data, or of each class."""
+    from microimpact.model.empirical.classes import compare_classes
+    from microimpact.model.empirical.comparison import compare_models
+
+    with patience(f"fitting {measured.v.size} points"):
+        if measured.classes is not None:
+            return compare_classes(measured.classes, **measured, **options)
+        comparison = compare_models(**measured, **options)
+    warn(implausible({"capture_velocity": comparison.v_c}))
+    return comparison
+
+
+def _tails(text: str | None) -> float | str | None:
+    """Degrees of freedom, or ``"free"``."""
+    try:
+        return text if text in {None, "free"} else float(text)
+    except ValueError:
+        raise ValueError(
+            f"--tails must be degrees of freedom, 1 or more, or free, got {text!r}"
+        ) from None
+
+
+def _numbers_by_class(fit: Classes) -> dict[str, Any]:
+    """Numbers of all classes, as JSON has them."""
+    by_class = {
+        name: {"not_computed": str(each)} if isinstance(each, ValueError) else _numbers(each)
+        for name, each in fit.compared.items()
+    }
+    laws = {name: {"exponent": n, "mean_weight": w} for name, (n, w) in fit.laws.items()}
+    exponent = {"exponent": fit.exponent, "exponent_interval": fit.exponent_interval}
+    return {"classes": by_class, **exponent, "laws": laws}
+
+
+def _numbers(comparison: Comparison) -> dict[str, Any]:
+    """Numbers of a comparison, as JSON has them."""
+    numbers = ("free", "v_c", "interval", "chi_square", "criterion", "weight", "size_exponent")
+    return {
+        "v_c": comparison.v_c,
+        "v_c_interval": list(comparison.v_c_interval),
+        "confidence": comparison.confidence,
+        "sigma": comparison.sigma,
+        "scatter_over_sigma": comparison.scatter,
+        "tails": comparison.tails,
+        "speeds_and_sizes_exact": comparison.exact,
+        "diameter": comparison.diameter,
+        "size_scatter": comparison.size_scatter,
+        "warnings": list(comparison.warnings),
+        "models": {
+            model.name: {name: getattr(model, name) for name in numbers}
+            for model in comparison.models
+        },
+    }
 
 
 @click.command("calibrate", cls=Command, short_help="Contacts that measured restitutions admit.")

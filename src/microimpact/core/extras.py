@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-EXTRAS = {"matplotlib": "plot", "emcee": "calibrate"}
+EXTRAS = {"matplotlib": "plot", "jinja2": "report", "emcee": "calibrate"}
 
 
 def optional(module: str) -> Any:

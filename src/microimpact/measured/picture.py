@@ -27,25 +27,13 @@ def require_format(path: Path | str) -> None:
         raise ValueError(f"plot must end in {', '.join(FORMATS)}, got {str(path)!r}")
 
 
-@rc_context(
-    {
-        "font.family": "STIXGeneral",
-        "font.size": 8.5,
-        "mathtext.fontset": "stix",
-        "legend.frameon": False,
-        "lines.linewidth": 1.2,
-        "lines.markersize": 4.5,
-        "figure.constrained_layout.use": True,
-        "savefig.dpi": 300,
-    }
-)
 def draw(data: Rebounds, comparison: Comparison, path: Path | str) -> None:
-    """Draw data, models, interval of v_c, and residuals of the best model.
+    """Write `picture` into a file.
 
     Parameters
     ----------
     data, comparison
-        The measurements, and the models fitted to them.
+        As of `picture`.
     path
         File to be written, of one of `FORMATS`.
 
@@ -57,6 +45,32 @@ def draw(data: Rebounds, comparison: Comparison, path: Path | str) -> None:
         If it cannot be written.
     """
     require_format(path)
+    write_file(path, picture(data, comparison, Path(path).suffix[1:]))
+
+
+@rc_context(
+    {
+        "font.family": "STIXGeneral",
+        "font.size": 8.5,
+        "mathtext.fontset": "stix",
+        "legend.frameon": False,
+        "lines.linewidth": 1.2,
+        "lines.markersize": 4.5,
+        "figure.constrained_layout.use": True,
+        "savefig.dpi": 300,
+        "svg.hashsalt": "microimpact",
+    }
+)
+def picture(data: Rebounds, comparison: Comparison, form: str) -> bytes:
+    """Draw data, models, interval of v_c, and residuals of the best model.
+
+    Parameters
+    ----------
+    data, comparison
+        The measurements, and the models fitted to them.
+    form
+        One of `FORMATS`, without the point.
+    """
     figure = Figure(figsize=(WIDTH_INCH, HEIGHT_INCH))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     low, high = comparison.v_c_interval
@@ -89,5 +103,5 @@ def draw(data: Rebounds, comparison: Comparison, path: Path | str) -> None:
         write(FuncFormatter(lambda x, _: f"{x:g}"))
     above.legend(loc="lower right")
     target = io.BytesIO()
-    figure.savefig(target, format=Path(path).suffix[1:])
-    write_file(path, target.getvalue())
+    figure.savefig(target, format=form)
+    return target.getvalue()

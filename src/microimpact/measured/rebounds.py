@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from microimpact.core.arrays import BoolArray, FloatArray, Range, checked
+from microimpact.core.arrays import BoolArray, FloatArray, ObjectArray, Range, checked
 from microimpact.core.plausible import PLAUSIBLE, implausible
 from microimpact.core.readable import Readable
 from microimpact.measured.table import (
@@ -25,6 +26,7 @@ from microimpact.measured.table import (
     read_table,
 )
 from microimpact.model.choices import NOISE
+from microimpact.model.empirical.data import Places
 
 BEFORE = Column(
     units=SPEED_UNITS,
@@ -72,6 +74,7 @@ COLUMNS = {
     "radius": Column(units=SIZE_UNITS, kind=SIZES, names=("R", "r", "r_p", "rp")),
     "sigma_d": Column(units=SIZE_UNITS | {"%": 1e-2}, kind=SIZES, names=("sd_d", "std_d")),
     "captured": Column(),
+    "class": Column(),
     "angle": Column(units=ANGLE_UNITS),
 }
 # Restitutions of a code, by the cases of `microimpact.model.reference`; above `MOST` none is e.
@@ -100,6 +103,8 @@ class Rebounds(Readable):
         Diameters, m, (n,); None: not known.
     size_scatter
         Relative standard deviations of the diameters (n,); ``"free"``: one for all, to be found.
+    classes
+        Names of the classes (n,); None: no classes were asked for.
     read
         What was read, in a line.
     notes
@@ -117,6 +122,7 @@ class Rebounds(Readable):
     sigma_v: FloatArray | None = None
     d: FloatArray | None = None
     size_scatter: FloatArray | Literal["free"] | None = None
+    classes: ObjectArray | None = None
     read: str = ""
     notes: tuple[str, ...] = ()
 
@@ -128,6 +134,20 @@ class Rebounds(Readable):
         if name not in _ARGUMENTS:
             raise KeyError(name)
         return getattr(self, name)
+
+    def select(self, rows: Places) -> Rebounds:
+        """Return some of the rows.
+
+        Parameters
+        ----------
+        rows
+            Their numbers, (m,).
+        """
+        arrays = {f.name: getattr(self, f.name) for f in fields(self)}
+        parts: dict[str, Any] = {
+            name: x[rows] for name, x in arrays.items() if isinstance(x, np.ndarray)
+        }
+        return replace(self, **parts)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -152,6 +172,7 @@ def read_rebounds(
     sigma: float | None = None,
     sigma_v: float | str | None = None,
     size_scatter: float | str | None = None,
+    classes: str | None = None,
     skip_bad_rows: bool = False,
 ) -> Rebounds:
     """Read measured rebounds: a text file, a data frame, or a mapping of arrays.
@@ -177,6 +198,9 @@ def read_rebounds(
         Standard deviation of e, of v (m/s, or ``"1.5%"``) and of d (``0.07``, ``"7%"`` or
         ``"free"``) where no column has them. With V alone sigma is that at an exact v, and the
         error of v is added to it; with e and V it has this error, and their covariance is added.
+    classes
+        Column whose values are the classes, or bins of d or radius in the unit of the column:
+        ``"batch"``, ``"d"``, ``"d=20,40,80"``.
     skip_bad_rows
         Whether rows with a wrong number are left out, and named in ``notes``.
 
@@ -187,11 +211,13 @@ def read_rebounds(
     ValueError
         With file, line, column, value and the allowed values; all bad rows are named.
     """
+    by, _, bins = (classes or "").partition("=")
+    sized = by in {"d", "radius"}
     table = read_table(
         source,
-        COLUMNS,
+        {name: column for name, column in COLUMNS.items() if by or name != "class"},
         units={SPEEDS: unit, SIZES: size_unit},
-        columns=columns,
+        columns={**(columns or {}), **({"class": by} if by and not sized else {})},
         delimiter=delimiter,
         decimal=decimal,
     )
@@ -201,13 +227,15 @@ def read_rebounds(
         if option is not None and column in table.cells:
             name = column.replace("sigma_d", "size_scatter")
             raise ValueError(f"{column} stands in the file; leave out {_flag(name)}")
-    notes = []
-    if table.ignored:
-        notes.append(f"{table.name}: columns not used: {', '.join(map(repr, table.ignored))}")
+    notes = [*table.unused]
     total, v = _speeds(table, notes)
     after = "e" if "e" in table.cells else "V"
     captured = _captured(table, after)
-    arrays = {"v": v, "total": total, **_restitutions(table, v, after, captured, sigma)}
+    arrays: dict[str, Any] = {
+        "v": v,
+        "total": total,
+        **_restitutions(table, v, after, captured, sigma),
+    }
     if (relative := _relative(table, "v", total, "sigma_v", sigma_v)) is not None:
         arrays["sigma_v"] = v * relative
     size = _sizes(table)
@@ -216,6 +244,9 @@ def read_rebounds(
     lacking = np.any([np.isnan(x) & ~captured for x in table.numbers.values()], axis=0)
     needed = [x for k, x in table.numbers.items() if k not in {"e", "V", "sigma"}]
     lacking |= np.any([np.isnan(x) for x in needed], axis=0)
+    if classes:
+        arrays["classes"] = names = _classes(table, by, bins)
+        lacking |= names == ""
     rows, others = table.kept(lacking, skip_bad_rows=skip_bad_rows)
     kept: dict[str, Any] = {name: np.array(x[rows]) for name, x in arrays.items()}
     if "sigma" in kept:
@@ -318,6 +349,28 @@ def _sizes(table: Table) -> FloatArray | None:
         words = [f"{cell}; give --size-unit" for cell in table.cells[name]]
         table.require(name, (size >= low) & (size <= high), allowed, words)
     return size
+
+
+def _classes(table: Table, by: str, bins: str) -> ObjectArray:
+    """Names of the classes (n,); empty where a row is in none."""
+    if "class" in table.cells:
+        if bins:
+            raise ValueError(f"--classes: bins are of d or radius, got {by}={bins}")
+        return np.array(table.cells["class"], dtype=object)
+    if by not in table.numbers:
+        raise ValueError(f"{table.name}: --classes {by} needs the column {by}")
+    unit = table.units[by]
+    size = table.numbers[by] / SIZE_UNITS[unit]
+    if not bins:
+        return np.array(["" if np.isnan(x) else f"{x:.6g} {unit}" for x in size], dtype=object)
+    try:
+        edges = [float(edge) for edge in bins.split(",")]
+    except ValueError:
+        edges = []
+    if len(edges) < 2 or not np.all(np.diff(edges) > 0.0):
+        raise ValueError(f"--classes must be as d=20,40,80, in ascending order, got {by}={bins}")
+    names = ["", *(f"{low:g} to {high:g} {unit}" for low, high in pairwise(edges)), ""]
+    return np.array(names, dtype=object)[np.searchsorted(edges, size, side="right")]
 
 
 def _relative(

@@ -138,9 +138,7 @@ def read_records(
     if excess := [name for name in settings if name not in OPTIONS[kind]]:
         raise ValueError(f"{table.name} holds {kind}; leave out {', '.join(map(_flag, excess))}")
     _check(settings)
-    notes = []
-    if table.ignored:
-        notes.append(f"{table.name}: columns not used: {', '.join(map(repr, table.ignored))}")
+    notes = [*table.unused]
     columns = {"tracks": ("x", "y"), "heights": ("h0", "h1"), "times": ("t",)}[kind]
     columns += tuple(name for name in ("frame", "t") if kind == "tracks" and name in table.numbers)
     columns = tuple(name for name in columns if not (name == "t" and "frame" in columns and fps))

@@ -106,6 +106,12 @@ class Table:
     ignored: Sequence[str]
     bad: dict[int, str]
 
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Note on the columns that are not used, if any."""
+        names = ", ".join(map(repr, self.ignored))
+        return (f"{self.name}: columns not used: {names}",) if names else ()
+
     def require(
         self, column: str, good: BoolArray, allowed: str, got: Sequence[str] | None = None
     ) -> None:

@@ -12,6 +12,7 @@ from .dynamics.impact import spatial as spatial
 from .dynamics.trajectory import Trajectory as Trajectory
 from .dynamics.trajectory import trajectory as trajectory
 from .empirical.bootstrap import bootstrap_v_c as bootstrap_v_c
+from .empirical.classes import compare_classes as compare_classes
 from .empirical.comparison import compare_models as compare_models
 from .empirical.equations import restitution as restitution
 from .empirical.fit import fit_restitution as fit_restitution

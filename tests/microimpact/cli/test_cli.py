@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import io
 import json
 import re
@@ -219,7 +220,9 @@ REFUSED = [
         "--size-scatter must be as '7%' or 'free', below 50 %, got '7'",
     ),
     ("fit own.csv --confidence 95", "confidence must be"),
+    ("fit own.csv --tails heavy", "--tails must be degrees of freedom, 1 or more, or free"),
     ("fit nowhere.csv --plot x.bmp", "plot must end in"),
+    ("fit nowhere.csv --report own.csv", "own.csv/index.html: cannot be written: Not a directory"),
     ("fit nowhere.csv --plot own.csv/x.png", "own.csv/x.png: cannot be written: Not a directory"),
     ("capture --particle a --surface b --materials /dev/null", "/dev/null: the header must have"),
     ("reference -o own.csv", "own.csv/adhesive_impacts.csv: cannot be written: Not a directory"),
@@ -363,6 +366,26 @@ def test_fit_prints_draws_and_writes_json(microimpact, answered, own_data, tmp_p
     colours = {f"#{word}".lower() for word in palette}
     greys = {"#d9d9d9", "#666666", "#ffffff", "#cccccc"}
     assert {*re.findall(r"#[0-9a-f]{6}", drawing)} <= colours | greys
+
+
+@pytest.mark.parametrize("options", [(), ("--classes", "batch")])
+def test_report_is_one_page_with_data_models_and_picture(microimpact, own_data, tmp_path, options):
+    odd = tmp_path / "<b>.csv"
+    head, *rows = own_data.read_text().splitlines()
+    odd.write_text("\n".join([f"{head},batch", *(f"{row},one & only" for row in rows)]))
+    folder = tmp_path / "deep" / "report"
+    done = microimpact("fit", str(odd), "--model", "fixed loss", "--report", str(folder), *options)
+    assert f"Written: {folder}" in done.stdout
+    assert [path.name for path in folder.iterdir()] == ["index.html"]
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert page.count("<svg") == 1
+    assert not re.search(r"""(?:src|href)=["'](?!#)""", page)
+    assert "<b>" not in page
+    told = done.stdout.splitlines()[1:-1]
+    assert all(html.escape(line) in page for line in told)
+    assert page.count("<tr>") == 1 + len(rows)
+    assert "--report" in page
+    assert ("one &amp; only" in page) == bool(options)
 
 
 def test_a_file_of_a_spreadsheet_needs_one_option(microimpact, answered, own_data, tmp_path):
@@ -628,6 +651,23 @@ def test_help_is_whole_and_in_groups(microimpact):
         groups = re.findall(r"^(\w[\w ]*):$", text, re.MULTILINE)
         assert groups[-1] == "Options"
         assert len(groups) > 1
+
+
+def test_fit_by_classes(microimpact, answered, tmp_path):
+    path, rows = tmp_path / "sized.csv", ["v,e,d (um)"]
+    for d, count in ((20, 8), (40, 8), (60, 2)):
+        limit = 2.0 / d
+        ratios = [1.05, 1.15, 1.3, 1.6, 2.0, 3.0, 5.0, 9.0][:count]
+        rows += [f"{limit * x:.6f},{0.7 * (1 - x**-2) ** 0.5:.6f},{d}" for x in ratios]
+    path.write_text("\n".join(rows))
+    options = ("--classes", "d", "--sigma", "0.01", "--model", "fixed loss")
+    found = answered("fit", str(path), *options)
+    assert found["exponent"] == pytest.approx(-1.0, abs=0.01)
+    assert found["classes"]["20 um"]["v_c"] == pytest.approx(0.1, rel=0.01)
+    assert "points" in found["classes"]["60 um"]["not_computed"]
+    assert "v_c ~ d^n: n = -1.00" in microimpact("fit", str(path), *options).stdout
+    assert answered("fit", str(path), *options, "--tails", "4")["classes"]["20 um"]["tails"] == 4.0
+    require_refusal(microimpact("fit", str(path), *options, "--plot", "x.svg"), "leave out --plot")
 
 
 def test_heights_are_reduced_and_the_table_is_one_for_fit(microimpact, tmp_path):

@@ -307,3 +307,35 @@ def test_what_is_read_goes_into_every_fit(written):
     found = compare_models(**data, models=["fixed loss"])
     assert found.v_c == compare_models(data.v, data.e, 0.02, models=["fixed loss"]).v_c
     assert data.keys() == ("v", "e", "sigma")
+
+
+SIZED = "v (m/s),e,d (um),batch\n0.5,0.6,20,a\n0.4,0.5,40,b\n0.1,0,60,\n"
+
+
+@pytest.mark.parametrize(
+    ("classes", "names"),
+    [
+        ("batch", ["a", "b"]),
+        ("d", ["20 um", "40 um", "60 um"]),
+        ("d=10,30,50", ["10 to 30 um", "30 to 50 um"]),
+    ],
+)
+def test_classes_by_a_column_a_size_or_bins(written, classes, names):
+    data = read_rebounds(written(SIZED), classes=classes)
+    assert data.classes.tolist() == names
+    assert data.v.size == len(names)
+    assert any("lack a number" in note for note in data.notes) == (len(names) < 3)
+
+
+@pytest.mark.parametrize(
+    ("classes", "words"),
+    [
+        ("lot", "no column 'lot'"),
+        ("d=50,10", "--classes must be as d=20,40,80"),
+        ("batch=1,2", "bins are of d or radius"),
+        ("radius", "needs the column radius"),
+    ],
+)
+def test_refused_classes(written, classes, words):
+    with pytest.raises(ValueError, match=words):
+        read_rebounds(written(SIZED), classes=classes)

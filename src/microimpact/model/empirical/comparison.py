@@ -37,6 +37,7 @@ from microimpact.model.empirical.data import (
     require_telling,
     scatter_of,
     stacked_sets,
+    tails_of,
 )
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.kernel import LN_SIGMA, LN_SIZE, SCATTERED, V_C
@@ -73,6 +74,8 @@ LIKELY_SCATTER = 0.02
 LIGHT = 0.05
 # Shares by which tests reject: misfit, residuals in runs, a stray row.
 REJECTED = 0.01
+# Rows so many sigma off count little under Student's t.
+STRAY = 4.0
 # Rows that a message names at most.
 NAMED = 3
 
@@ -96,6 +99,8 @@ class Model(Readable):
         AIC, or AICc where sigma is not given, less that of the best model.
     weight
         Akaike's weight; all sum to 1.
+    size_exponent
+        n of v_c ~ d^n by this model, of given materials, near the median diameter.
     law
         e at normal speeds (n,), m/s.
     """
@@ -107,6 +112,7 @@ class Model(Readable):
     chi_square: float | None
     criterion: float
     weight: float
+    size_exponent: float
     law: Callable[[FloatArray], FloatArray] = field(repr=False)
 
 
@@ -179,6 +185,9 @@ class Comparison(Readable):
         Standard deviation of e that the best model leaves, where none is given; else None.
     scatter
         The same over the sigma given, or 1.
+    tails
+        Degrees of freedom of Student's t by the best model, of which sigma is the scale; None: e is
+        taken as normal.
     exact
         Whether speeds were taken as exact and all spheres as of one size.
     diameter
@@ -200,17 +209,18 @@ class Comparison(Readable):
     exact: bool
     diameter: float | None
     size_scatter: float | None
+    tails: float | None = None
     left_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = field(repr=False)
 
     def summary(self) -> str:
         """Models with their intervals and weights, v_c of all, and assumptions, as text."""
-        criterion = "AIC" if self.sigma is None else "AICc"
+        criterion = "AIC" if self.sigma is None and self.tails is None else "AICc"
         header = ("model", "v_c (m/s)", "from", "to", "free", "chi2", criterion, "weight")
         rows = (
             (
                 model.name,
-                *_with_interval(model.v_c, model.interval),
+                *with_interval(model.v_c, model.interval),
                 str(model.free),
                 "" if model.chi_square is None else f"{model.chi_square:.1f}",
                 f"{model.criterion:.1f}",
@@ -218,7 +228,7 @@ class Comparison(Readable):
             )
             for model in self.models
         )
-        v_c, low, high = _with_interval(self.v_c, self.v_c_interval)
+        v_c, low, high = with_interval(self.v_c, self.v_c_interval)
         return (
             f"{table(rows, header)}\n"
             f"v_c = {v_c} m/s, {100 * self.confidence:g} %: {low} to {high} m/s, averaged over the "
@@ -229,7 +239,11 @@ class Comparison(Readable):
     def _assumptions(self) -> str:
         """Assumptions on speeds and sizes, as the end of a sentence."""
         if self.exact:
-            return "; speeds and sizes are taken as exact"
+            heavy = ""
+            if self.tails is not None:
+                scale = f"{self.scatter:.3g} sigma" if self.sigma is None else f"{self.sigma:.2g}"
+                heavy = f";\ne scatters by {scale}, as of Student's t with {self.tails:g} degrees"
+            return f"{heavy}; speeds and sizes are taken as exact"
         words = ",\naveraged over the errors of speed and the sizes"
         if self.size_scatter is not None:
             words += f"; these scatter by {100.0 * self.size_scatter:.2g} %"
@@ -238,8 +252,14 @@ class Comparison(Readable):
         return words
 
 
-def _with_interval(value: float, interval: tuple[float, float]) -> list[str]:
-    """Format a number and the ends of its interval."""
+def with_interval(value: float, interval: tuple[float, float]) -> list[str]:
+    """Format a number and the ends of its interval.
+
+    Parameters
+    ----------
+    value, interval
+        The number, and the ends.
+    """
     low, high = interval
     return [precise(number, high - low) for number in (value, low, high)]
 
@@ -254,6 +274,7 @@ def compare_models(
     *,
     confidence: float = 0.95,
     models: Sequence[str] | None = None,
+    tails: float | Literal["free"] | None = None,
 ) -> Comparison:
     """Find the capture velocity from restitutions by all models, and an interval of their average.
 
@@ -282,6 +303,10 @@ def compare_models(
         Coverage of the intervals, in (0, 1).
     models
         Names of the models to be tried, of `CANDIDATES`; None: all.
+    tails
+        Degrees of freedom of Student's t, 1 or more, by which e scatters, so that stray rows count
+        little; ``"free"``: to be found; None: e is normal. Sigma is then its scale, which is found
+        if sigma is not given, and not taken as smaller if it is.
 
     Raises
     ------
@@ -292,7 +317,10 @@ def compare_models(
         If the calculation goes wrong.
     """
     return compare_sets(
-        [(v, e, sigma, sigma_v, d, size_scatter)], confidence=confidence, models=models
+        [(v, e, sigma, sigma_v, d, size_scatter)],
+        confidence=confidence,
+        models=models,
+        tails=tails,
     )[0]
 
 
@@ -301,6 +329,7 @@ def compare_sets(
     *,
     confidence: float = 0.95,
     models: Sequence[str] | None = None,
+    tails: float | Literal["free"] | None = None,
 ) -> list[Comparison]:
     """Compare models of many data sets.
 
@@ -311,13 +340,19 @@ def compare_sets(
     ----------
     sets
         Positional arguments of `compare_models`, a tuple for each data set.
-    confidence, models
+    confidence, models, tails
         As of `compare_models`.
     """
     level = float(checked("confidence", confidence, CONFIDENCE))
     alike: dict[Any, list[tuple[int, DataSets, Places, float | None]]] = defaultdict(list)
     for number, each in enumerate(sets):
         data, order, known, diameter = _checked(*each)
+        heavy = tails_of(tails, known=known)
+        if heavy and data.scatter:
+            if np.any(data.scatter.rows):
+                raise ValueError("tails must be left out where speeds have errors or sizes scatter")
+            data = replace(data, scatter=None)
+        data, known = replace(data, tails=heavy), known and heavy is None
         said = data.scatter and data.scatter[1:]
         kind = order.size, int(np.sum(data.v >= 1.0)), known, said
         alike[kind].append((number, data, order + 1, diameter))
@@ -380,8 +415,9 @@ def _compared(
 
     ``rows`` are the numbers (n,), from 1, that the points of each set had before they were sorted.
     """
-    more = int(sets.scatter is not None and sets.scatter.free_size)
-    tried = _affordable(candidates, more, count, known)
+    free_size = sets.scatter is not None and sets.scatter.free_size
+    free_tails = sets.tails is not None and len(sets.tails.freedoms) > 1
+    tried = _affordable(candidates, free_size + free_tails, count, known)
     left_out = tuple(name for name in candidates if name not in tried)
     free = np.array([model.free for model in tried.values()])[:, None]
     drawn = [_drawn(model, sets, count, known) for model in tried.values()]
@@ -404,10 +440,7 @@ def _compared(
     # With sigma known the signed roots are normal; else, of Student's distribution.
     freedom = np.where(known & (widened == 1.0), np.inf, count - free)
     tails = _Tails(profiles[..., 0], np.sqrt(rise), v_c, freedom)
-    scattered = np.zeros(every.size)
-    for k in np.unique(best) if sets.scatter is None else ():
-        chosen, model = np.flatnonzero(best == k), list(tried.values())[k]
-        scattered[chosen] = _likelier_scatter(model, sets.select(chosen), drawn[k], chosen, known)
+    scattered = _likelier_scatters([*tried.values()], sets, drawn, best, known)
     half, unit = 0.5 * (1.0 - level), sets.unit * sets.reach
     alone = unit * np.stack([tails.quantiles(half), tails.quantiles(1.0 - half)])
     low, middle, high = (
@@ -424,6 +457,7 @@ def _compared(
                 chi_square=float(chi_square[k, i]) if known else None,
                 criterion=float(criterion[k, i]),
                 weight=float(weights[k, i]),
+                size_exponent=-scatter.size_exponent(candidate.law, drawn[k].x[i]),
                 law=partial(_in_metres, candidate, data, drawn[k].x[i], float(v_c[k, i])),
             )
             for k, (name, candidate) in enumerate(tried.items())
@@ -433,21 +467,25 @@ def _compared(
         winner, x = list(tried.values())[k], drawn[k].x[i]
         residuals = _residuals(data, rows[i], winner, x, float(v_c[k, i]), known)
         _require_a_curve(residuals)
-        sigma = np.exp(x[LN_SIGMA]) if data.scatter is not None else np.sqrt(left[i])
-        words = _warnings(data, fitted, residuals, float(middle[i]), interval, scattered[i])
+        sigma, excess = _scales(residuals, float(left[i]), data, known)
+        words = (
+            *_warnings(data, fitted, residuals, float(middle[i]), interval, scattered[i]),
+            *_about_rows(left_out, count),
+        )
         compared.append(
             Comparison(
                 models=tuple(fitted),
                 v_c=float(middle[i]),
                 v_c_interval=interval,
                 confidence=level,
-                sigma=None if known else float(sigma),
-                scatter=float(np.sqrt(left[i])) if known else 1.0,
+                sigma=sigma,
+                scatter=excess,
+                tails=residuals.tails,
                 exact=data.scatter is None,
                 diameter=diameters[i],
-                size_scatter=float(np.exp(x[LN_SIZE])) if more else None,
+                size_scatter=float(np.exp(x[LN_SIZE])) if free_size else None,
                 left_out=left_out,
-                warnings=(*words, *_about_rows(left_out, count)),
+                warnings=words,
             )
         )
         _require_sound(compared[-1])
@@ -517,6 +555,18 @@ def _in_metres(
     return candidate.restitution(x, v_c * data.reach[0], np.asarray(v) / data.unit[0])
 
 
+def _likelier_scatters(
+    tried: list[Candidate], sets: DataSets, drawn: list[_Drawn], best: Places, known: bool
+) -> FloatArray:
+    """Scatter of size (r,) by which the best model of each data set gains, else 0."""
+    scattered = np.zeros(best.size)
+    for k in np.unique(best) if sets.scatter is None and sets.tails is None else ():
+        chosen = np.flatnonzero(best == k)
+        part = sets.select(chosen)
+        scattered[chosen] = _likelier_scatter(tried[k], part, drawn[k], chosen, known)
+    return scattered
+
+
 def _likelier_scatter(
     model: Candidate, sets: DataSets, drawn: _Drawn, chosen: Places, known: bool
 ) -> FloatArray:
@@ -567,7 +617,7 @@ def _drawn(model: Candidate, sets: DataSets, count: int, known: bool) -> _Drawn:
     def searched(owner: Places, v_c: FloatArray, starts: FloatArray) -> FloatArray:
         """v_c, the deviance and the variables of each search (m, ...)."""
         deviance, x = model.profile(sets, owner, v_c, starts)[:2]
-        if sets.scatter is None and not known:
+        if sets.scatter is None and sets.tails is None and not known:
             deviance = count * np.log(np.maximum(deviance, TINY) / count)
         return np.column_stack([v_c, deviance, x])
 
@@ -677,6 +727,9 @@ class _Residuals(NamedTuple):
     e: FloatArray
     missed: FloatArray  # e less the model
     in_sigma: FloatArray  # The same over sigma; if sigma is not given, over that of all other rows
+    share: FloatArray | float = 1.0  # Weights of their squares, 1 where e is normal
+    sigma: float | None = None  # Scale of e, where the search has found it
+    tails: float | None = None  # Degrees of freedom of Student's t
 
     def largest(self, least: float = 0.0) -> str:
         """Rows of the largest residuals, in words, if these are at least so many sigma."""
@@ -700,24 +753,44 @@ def _residuals(
         moments = scatter.expected(model.law, data, v_c * data.reach[0], x)[telling]
         v, e = data.unit * data.v[0, telling], data.e[0, telling]
         missed = e - moments[:, 0]
-        return _Residuals(rows[telling], v, e, missed, missed / np.sqrt(moments[:, 1]))
+        sigma = None if known else float(np.exp(x[LN_SIGMA]))
+        in_sigma = missed / np.sqrt(moments[:, 1])
+        return _Residuals(rows[telling], v, e, missed, in_sigma, sigma=sigma)
     v, e = data.unit * data.v[0, telling], data.e[0, telling]
     missed = e - model.restitution(x, v_c, data.v[0, telling])
     in_sigma = missed * data.weight[0, telling]
+    if data.tails is not None:
+        curve = model.restitution(x, v_c, data.v[0])
+        student, weights = data.tails.likeliest((data.e - curve) * data.weight, e.size)
+        _, scale, tails = student[0].tolist()
+        share = weights[0, telling] * scale**2
+        return _Residuals(rows[telling], v, e, missed, in_sigma / scale, share, scale, tails)
     if not known:
         squares = np.maximum(np.sum(missed**2) - missed**2, TINY)
         in_sigma = missed / np.sqrt(squares / (e.size - model.free - 1))
     return _Residuals(rows[telling], v, e, missed, in_sigma)
 
 
+def _scales(
+    residuals: _Residuals, left: float, data: DataSets, known: bool
+) -> tuple[float | None, float]:
+    """Sigma of e where it is estimated, else None; its ratio to sigma as stated, or 1."""
+    scale = residuals.sigma or float(np.sqrt(left))
+    if known or (data.tails is not None and data.tails.known):
+        return None, scale
+    return scale, 1.0
+
+
 def _require_a_curve(residuals: _Residuals) -> None:
     """Refuse data that no model describes better than chance would."""
-    e, missed = residuals.e, residuals.missed
+    e, root = residuals.e, np.sqrt(residuals.share)
+    missed = residuals.missed * root
     scatter = float(np.sqrt(np.mean(missed**2)))
-    if scatter > WILD and np.sum(missed**2) > 0.5 * np.sum((e - e.mean()) ** 2):
+    if scatter > WILD and np.sum(missed**2) > 0.5 * np.sum((root * (e - e.mean())) ** 2):
         raise NotComputable(
             f"e must depend on v as a rebound does: the closest of all models leaves a scatter of "
-            f"{scatter:.2g}, and explains less than half of the variance{residuals.largest()}"
+            f"{scatter:.2g}, and explains less than half of the variance{residuals.largest()}; "
+            "tails admit a few rows that stray"
         )
 
 
@@ -799,7 +872,10 @@ def _about_speeds(data: DataSets, best: Model) -> Iterator[str]:
 
 def _about_the_fit(best: Model, residuals: _Residuals) -> Iterator[str]:
     missed, freedom = residuals.missed, residuals.missed.size - best.free
-    if best.chi_square is None:
+    if residuals.tails is not None:
+        if words := residuals.largest(STRAY):
+            yield f"rows more than {STRAY:g} sigma off count little{words}"
+    elif best.chi_square is None:
         # So far out lies one row in that share of all data sets (Bonferroni).
         stray = float(scipy.special.stdtrit(freedom - 1, 1.0 - 0.5 * REJECTED / missed.size))
         yield (

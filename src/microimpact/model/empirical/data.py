@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import (
@@ -19,7 +20,7 @@ from microimpact.core.arrays import (
     checked,
 )
 from microimpact.core.computable import NotComputable
-from microimpact.model.empirical.kernel import LEAST_SCATTER
+from microimpact.model.empirical.kernel import LEAST_SCATTER, heavy_tails
 
 Places = npt.NDArray[np.intp]
 Given = Numbers | ArrayLike
@@ -36,6 +37,10 @@ STEEP, FLAT = 1.8, 0.8
 # So many standard deviations no sphere of a set is off.
 FAR_OFF = 4.0
 FREE = "free"
+# Degrees of freedom that are tried; least scale of e where sigma is not given.
+FREEDOMS = (2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 100.0)
+FREEDOM = Range(lower=1.0, upper=1e6, lower_closed=True, upper_closed=True)
+LEAST_SIGMA = 1e-4
 
 
 def measurements(
@@ -116,6 +121,29 @@ def scatter_of(
     return np.stack([np.asarray(a, float) for a in arrays]), free, None if d is None else median
 
 
+def tails_of(tails: float | str | None, *, known: bool) -> Tails | None:
+    """Check the degrees of freedom of Student's t.
+
+    Parameters
+    ----------
+    tails
+        Degrees of freedom, ``"free"``, or None, as of `compare_models`.
+    known
+        Whether sigma of e is given.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If they are out of range.
+    """
+    if tails is None:
+        return None
+    if isinstance(tails, str) and tails != FREE:
+        raise ValueError(f"tails must be degrees of freedom or {FREE!r}, got {tails!r}")
+    freedoms = FREEDOMS if isinstance(tails, str) else (float(checked("tails", tails, FREEDOM)),)
+    return Tails(freedoms, known)
+
+
 def is_contradicted(v: FloatArray, e: FloatArray, rows: FloatArray) -> bool:
     """Tell whether captures lie farther above rebounds than errors and sizes allow, for any v_c.
 
@@ -183,6 +211,35 @@ class Scatter(NamedTuple):
     contradicted: bool = False  # Whether that of size is, since the one stated cannot be
 
 
+class Tails(NamedTuple):
+    """Student's t in place of the normal distribution of e."""
+
+    freedoms: tuple[float, ...]  # Degrees of freedom to choose from
+    known: bool  # Whether sigma is given, below which no scale is taken
+
+    def density(self) -> FloatArray:
+        """Freedoms, and -2 ln of their densities' factors less those of a normal one, (k, 2)."""
+        nu, log = np.array(self.freedoms), scipy.special.gammaln
+        factor = 2.0 * (log(0.5 * nu) - log(0.5 * (nu + 1.0))) + np.log(0.5 * nu) - 1.0
+        return np.stack([nu, factor], axis=1)
+
+    def likeliest(self, missed: FloatArray, count: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Deviance, scale and freedom (m, 3), and weights of the squares of residuals (m, n).
+
+        Parameters
+        ----------
+        missed
+            Residuals over sigma, (m, n).
+        count
+            Number of rebounds among them, of a shape that broadcasts to (m,).
+        """
+        student, weights = np.empty((len(missed), 3)), np.empty(missed.shape)
+        number = np.array(np.broadcast_to(np.asarray(count, float), len(missed)))
+        least = 1.0 if self.known else LEAST_SIGMA
+        heavy_tails(np.ascontiguousarray(missed), number, self.density(), least, student, weights)
+        return student, weights
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DataSets:
     """Data sets (r, n), checked, in units of the slowest rebounding speed of each."""
@@ -195,12 +252,13 @@ class DataSets:
     top: FloatArray
     q: float | None  # Exponent of Eq. (33), or None where it is free.
     scatter: Scatter | None = None  # None: speeds are exact and all spheres of one size
+    tails: Tails | None = None  # None: e is normal
 
     def select(self, rows: slice | Places) -> DataSets:
         """Index the data sets."""
         scatter = self.scatter and self.scatter._replace(rows=self.scatter.rows[rows])
         arrays = {name: getattr(self, name)[rows] for name in ARRAYS}
-        return DataSets(**arrays, q=self.q, scatter=scatter)
+        return DataSets(**arrays, q=self.q, scatter=scatter, tails=self.tails)
 
     def split(self) -> list[DataSets]:
         """The data sets one by one."""
@@ -285,4 +343,4 @@ def stacked_sets(parts: Sequence[DataSets]) -> DataSets:
     if scatter is not None:
         rows = [part.scatter.rows for part in parts if part.scatter is not None]
         scatter = scatter._replace(rows=np.concatenate(rows))
-    return DataSets(**arrays, q=parts[0].q, scatter=scatter)
+    return DataSets(**arrays, q=parts[0].q, scatter=scatter, tails=parts[0].tails)

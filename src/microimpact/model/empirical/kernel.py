@@ -108,6 +108,67 @@ def curves(grid, places, at, rows) -> None:  # type: ignore[no-untyped-def]
                         rows[row, n, line] += ratios[n, k] * lines[line, near[n] + k]
 
 
+@_jit
+def _log_variance(missed, count, nu, least):  # type: ignore[no-untyped-def]
+    """Logarithm of the likeliest squared scale of Student's t, at least ``least`` squared."""
+    total = 0.0
+    for each in missed:
+        total += each**2
+    # The sum of weighted squares falls as the scale grows: Newton's method between bounds.
+    low = u = 2.0 * math.log(least)
+    high = max(math.log(max((nu + 1.0) * total / (nu * count), 1e-300)), low)
+    for _ in range(100):
+        excess, slope = -count, 0.0
+        for each in missed:
+            z = each**2 * math.exp(-u)
+            excess += (nu + 1.0) * z / (nu + z)
+            slope += (nu + 1.0) * nu * z / (nu + z) ** 2
+        if excess <= 0.0 and u == low:
+            return u
+        low, high = (u, high) if excess > 0.0 else (low, u)
+        new = u + excess / max(slope, 1e-300)
+        new = new if low < new < high else 0.5 * (low + high)
+        if abs(new - u) < 1e-10:
+            return new
+        u = new
+    return u
+
+
+@_jit
+def heavy_tails(missed, count, freedoms, least, student, weights):  # type: ignore[no-untyped-def]
+    """Put the likeliest scale and freedom of Student's t of residuals, and their weights.
+
+    Parameters
+    ----------
+    missed
+        Residuals over sigma, (m, n).
+    count
+        Number of rebounds among them, (m,): captured spheres have no density of e.
+    freedoms
+        Degrees of freedom to choose from, and what -2 ln of the density has beside that of a
+        normal one, by datum, (k, 2).
+    least
+        Least scale.
+    student
+        Room for the deviance, the scale and its freedom, (m, 3).
+    weights
+        Room for the weights of the squares of residuals, (m, n).
+    """
+    for m in range(len(missed)):
+        student[m, 0] = np.inf
+        for k in range(len(freedoms)):
+            nu = freedoms[k, 0]
+            u = _log_variance(missed[m], count[m], nu, least)
+            deviance = count[m] * (u + freedoms[k, 1])
+            for each in missed[m]:
+                deviance += (nu + 1.0) * math.log1p(each**2 * math.exp(-u) / nu)
+            if deviance < student[m, 0]:
+                student[m, 0], student[m, 1], student[m, 2] = deviance, math.exp(0.5 * u), nu
+        for i in range(missed.shape[1]):
+            square = student[m, 2] * student[m, 1] ** 2 + missed[m, i] ** 2
+            weights[m, i] = (student[m, 2] + 1.0) / square
+
+
 # Variables of a search under scatter: four of the curve, and logarithms of factors of the standard
 # deviations of e and of the diameter. Rows of its data: ln v, ln of the diameter over the
 # reference, standard deviations of both, e and its standard deviation.

@@ -11,6 +11,7 @@ recorded, and their probability counts.
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from microimpact.core.arrays import FloatArray
 from microimpact.model.empirical import shapes
@@ -60,6 +61,21 @@ _NO_TABLE = np.array([EXPONENT_OF_EQ_34, 0.0, 0.0]).reshape(1, 1, 1, BY_SIZE)
 
 def _table(law: str | None) -> FloatArray:
     return _NO_TABLE if law is None else shapes.table(law)
+
+
+def size_exponent(law: str | None, x: FloatArray) -> float:
+    """Exponent of v_c in 1/d, of given materials.
+
+    Parameters
+    ----------
+    law
+        One of `shapes.LAWS`, or None for Eq. (34).
+    x
+        Variables of a search, (3 or more,).
+    """
+    exponents = _table(law)[..., -BY_SIZE]
+    at = np.minimum(x[:PARAMETERS], np.array(exponents.shape) - 1.0)[:, None]
+    return float(scipy.ndimage.map_coordinates(exponents, at, order=1, mode="nearest")[0])
 
 
 def _data(sets: DataSets, scatter: Scatter) -> FloatArray:

@@ -34,6 +34,8 @@ ON_BOUND = 1e-3
 SAME_MINIMUM, SAME_AS_NONE = 1e-4, 1e-12
 # Tolerance of a search among many; further steps change v_c by a part in 10 million or less.
 TOLERANCE = 1e-9
+# A deviance, which may be 0, is known to this.
+NEARLY = 1e-6
 # Largest change of a logarithm in one step: beyond it the quadratic model says nothing.
 STRIDE = np.full(5, 2.0)
 # Damping at the start and the least, as shares of the diagonal of the normal matrix, and the
@@ -130,6 +132,25 @@ def squares(missed: FloatArray, slopes: FloatArray) -> tuple[FloatArray, FloatAr
     across = np.swapaxes(slopes, 1, 2)
     slope = np.matmul(across, missed[..., None])[..., 0]
     return np.sum(missed**2, axis=1), slope, np.matmul(across, slopes)
+
+
+def misfits(
+    missed: FloatArray, slopes: FloatArray, sets: DataSets, owner: Places
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Sums of squares as of `squares`, or with heavy tails the deviance with its own.
+
+    Parameters
+    ----------
+    missed, slopes
+        As of `squares`.
+    sets, owner
+        The data, and the data set of each row, (m,).
+    """
+    if sets.tails is None:
+        return squares(missed, slopes)
+    student, weights = sets.tails.likeliest(missed, np.sum(sets.v[owner] >= 1.0, axis=1))
+    root = np.sqrt(weights)
+    return (student[:, 0], *squares(missed * root, slopes * root[..., None])[1:])
 
 
 def lowest(
@@ -269,7 +290,8 @@ def misfit(sets: DataSets, owner: Places, end: FloatArray) -> Objective:
 
     def objective(x: FloatArray, rows: Places) -> tuple[FloatArray, FloatArray, FloatArray]:
         curve, slopes = model(v[rows], x[:, :V_C], end[rows], np.exp(x[:, V_C]))
-        return squares((curve - e[rows]) * weight[rows], slopes * weight[rows, :, None])
+        missed = (curve - e[rows]) * weight[rows]
+        return misfits(missed, slopes * weight[rows, :, None], sets, owner[rows])
 
     return objective
 
@@ -423,4 +445,5 @@ def profile(
     points = [np.column_stack([start[:, :V_C], fixed]) for start in starts]
     points += [start_points(sets, owner, number, gap) for number in range(fresh)]
     objective = misfit(sets, owner, np.ones(len(gap)))
-    return lowest(objective, np.stack(points), box_of(sets, owner, fixed, fixed), TOLERANCE)
+    box, small = box_of(sets, owner, fixed, fixed), NEARLY if sets.tails else 0.0
+    return lowest(objective, np.stack(points), box, TOLERANCE, small)

@@ -26,7 +26,7 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.empirical.data import DataSets, Places
 from microimpact.model.empirical.kernel import DAMPING_AXIS, PARAMETERS, curves
-from microimpact.model.empirical.search import Box, Minima, lowest, squares
+from microimpact.model.empirical.search import NEARLY, Box, Minima, lowest, misfits
 
 FILE = Path(__file__).with_suffix(".npz")
 
@@ -288,13 +288,15 @@ def profile(
 
     def objective(x: FloatArray, rows: Places) -> tuple[FloatArray, FloatArray, FloatArray]:
         weighted = curve(name, x, at[rows]) * weight[rows, :, None]
-        return squares(weighted[..., PARAMETERS] - (weight * e)[rows], weighted[..., :PARAMETERS])
+        missed = weighted[..., PARAMETERS] - (weight * e)[rows]
+        return misfits(missed, weighted[..., :PARAMETERS], sets, owner[rows])
 
     begun = starts
     if not len(starts):
         begun = np.repeat((np.array(LAWS[name].starts) * last)[:, None], v_c.size, axis=1)
     high = np.tile(last, (v_c.size, 1))
-    return lowest(objective, begun, Box(0.0 * high, high, LONGEST * last), SHORTEST, most=TRIED)
+    box, small = Box(0.0 * high, high, LONGEST * last), NEARLY if sets.tails else 0.0
+    return lowest(objective, begun, box, SHORTEST, small, TRIED)
 
 
 if __name__ == "__main__":
