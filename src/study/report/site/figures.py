@@ -9,8 +9,10 @@ from pathlib import Path
 from urllib.parse import urlencode
 
 from study import analyses
+from study.figures.declaration import all_figures
 from study.report.site.ledgers import Row, read_rows
 from study.report.site.record import Record
+from study.tables import ResultTables
 
 ARTICLE = re.compile(r"fig(\d\d)")
 ACRONYMS = {"ptis", "pdpa"}
@@ -51,6 +53,8 @@ class Figure:
     caption: str
     method: str
     article: str
+    disagreement: Sequence[str]
+    agreement: Sequence[str]
     data: tuple[str, ...]
     tables: Mapping[str, str]
     evidence: tuple[str, ...]
@@ -102,11 +106,14 @@ def figures(
     declared
         Rows of the table of inputs.
     """
+    tables_of_run = ResultTables(results)
     there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
 
     def figure(name: str) -> Figure:
         entry = record.figures[name]
         study, data = entry["analysis"], tuple(f"data/{table}.csv" for table in entry["data"])
+        declared_figure = all_figures().get(name)
+        compared = declared_figure.compared(tables_of_run) if declared_figure else ([], [])
         tables = {f"tables/{table}.csv": words for table, words in entry.get("tables", {}).items()}
         return Figure(
             name=name,
@@ -115,6 +122,8 @@ def figures(
             finding=_line(finding(results / f"figures/{name}.csv")),
             **{key: _line(entry.get(key, "")) for key in ("caption", "method")},
             article=" ".join(entry.get("article", "").split()),
+            disagreement=[_line(words) for words in compared[0]],
+            agreement=[_line(words) for words in compared[1]],
             data=data,
             tables={file: words for file, words in tables.items() if (results / file).is_file()},
             evidence=_evidence([results / file for file in data]),
