@@ -100,7 +100,7 @@ def stated(bears: Any, **numbers: float) -> Stated:
 
 
 def borne(text: str, numbers: Callable[[], Stated]) -> str:
-    """Return a text with the numbers that it states; empty where the data lack or do not bear them."""
+    """Return a text with the numbers that it states; empty where the data do not bear them."""
     try:
         stated_numbers = numbers()
     except (KeyError, TableError, NotComputable):
@@ -140,11 +140,12 @@ class Figure:
     the analysis that belong beside the figure, each with a sentence on what it holds. `finding` is
     the message, in one sentence; `holds` checks it on the curves of the figure and returns the
     numbers for its ``{places}``, see `checked`. `caption` says what is drawn, `method` how it was
-    computed. `disagreement` and `agreement` are with what the article says of its figure. `as_shipped` and `contact` (the origin of the single contacts), at the end of the
-    method, hold for the shipped inputs alone. `panels` have a title each, by the name of their
-    data, and stand in rows of `columns`, all side by side if not given; `views` show the data of
-    another panel, enlarged. `evidence_labels` replace words of the key of evidence, as of what
-    another paper printed.
+    computed. `disagreement` and `agreement` are with what the article says of its figure.
+    `as_shipped` and `contact` (the origin of the single contacts), at the end of the method, hold
+    for the shipped inputs alone. `panels` have a title each, by the name of their data, and stand
+    in rows of `columns`, all side by side if not given; `views` show the data of another panel,
+    enlarged. `evidence_labels` replace words of the key of evidence, as of what another paper
+    printed.
     """
 
     name: str

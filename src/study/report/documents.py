@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import jinja2
 import yaml
@@ -18,7 +17,7 @@ from microimpact.core.files import write_file
 from study.figures.declaration import all_figures
 from study.judge import amendments, counts
 from study.judge.criteria import declared_claims
-from study.judge.words import agreement, drawn_share, quantities, readable, with_unit
+from study.judge.words import agreement, readable, with_unit
 from study.report.site.figures import label
 from study.report.site.ledgers import by_claim, read_rows
 from study.report.site.pages import render
@@ -27,7 +26,7 @@ from study.tables import ResultTables, TableError
 
 DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
 # Tables of the page of deviations and of the counts in the README.
-LEDGERS = ("claims", "equations", "claim_evidence", "claim_results", "claim_shares")
+LEDGERS = ("claims", "equations", "claim_evidence", "claim_results")
 CODECHECK = "../codecheck.yml"
 README = {"readme.md": "../README.md"}
 ABOUT = "<!-- Made by `make pages` from {template} and tables of a full run; do not edit. -->\n\n"
@@ -134,11 +133,10 @@ def deviations(results: Path) -> str:
     ValueError
         If the table and the file do not hold the same claims.
     """
-    tables = {name: read_rows(results / f"tables/{name}.csv") for name in LEDGERS}
-    equations = tables["equations"]
-    claims = tables["claims"]
-    parts = (by_claim(tables[name]) for name in LEDGERS[2:])
-    evidence, numbers, shares = parts
+    claims, equations, facts = (
+        read_rows(results / f"tables/{name}.csv")
+        for name in ("claims", "equations", "claim_evidence")
+    )
     declared = declared_claims()
     if strangers := {row["id"] for row in claims} ^ set(declared):
         raise ValueError(
@@ -153,12 +151,8 @@ def deviations(results: Path) -> str:
         claims=claims,
         declared=declared,
         amendments=amendments(),
-        evidence=evidence,
-        results=numbers,
+        evidence=by_claim(facts),
         agreement=agreement,
-        shares=shares,
-        drawn_share=drawn_share,
-        quantities=quantities,
         readable=readable,
         with_unit=with_unit,
     )

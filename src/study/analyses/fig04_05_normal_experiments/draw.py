@@ -100,8 +100,6 @@ def draw_fig04(sheet: Sheet) -> None:
     (ax,) = sheet.panels(xlim=(0.0, 2.1), ylim=(0.0, 0.9), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
     ax.set_xticks((0.0, 0.5, 1.0, 1.5, 2.0))
     sheet.piled_up(ax)
-    for name in ("SST65 mean size", "SST125 mean size"):  # Under the curves of all that rebound
-        sheet.take(ax, name)
     sheet.draw(ax, NAMED, fixed=True)
     sheet.legend(ax, "lower right")
     sheet.keys()

@@ -104,55 +104,56 @@ def probe_understates_losses(tables: ResultTables) -> Stated:
 
 FIG04_AGREEMENT = (
     Remark(
-        "Restitution is constant above about 0.75 m/s: {low:.2f} to {high:.2f} for SST65, {lower:.2f}"
-        " to {higher:.2f} for SST125. The article prints no value for these impacts; for oblique"
-        " impact it prints about 0.70.",
+        "Restitution is constant above about 0.75 m/s: {low:.2f} to {high:.2f} for SST65, "
+        "{lower:.2f} to {higher:.2f} for SST125. The article prints no value for these impacts; "
+        "for oblique impact it prints about 0.70.",
         plateaus_are_flat,
     ),
     Remark(
-        "At lower speeds it falls, for smaller spheres already at higher speeds: to nine tenths of"
-        " the plateau at {small:.2f} m/s for SST65 and at {large:.2f} m/s for SST125.",
+        "At lower speeds it falls, for smaller spheres already at higher speeds: to nine tenths "
+        "of the plateau at {small:.2f} m/s for SST65 and at {large:.2f} m/s for SST125.",
         smaller_fall_first,
     ),
 )
 FIG04_DISAGREEMENT = (
     Remark(
-        "The probe cannot see the fall of restitution near capture. A sphere that rebounds below"
-        " {limit:.2f} m/s never reaches a probe 1 mm above the surface. At {speed:.2f} m/s the"
-        " instrument measures {seen:.2f} for SST65, but the spheres that rebound have {true:.2f}.",
+        "The probe cannot see the fall of restitution near capture. A sphere that rebounds "
+        "below {limit:.2f} m/s never reaches a probe 1 mm above the surface. At {speed:.2f} m/s "
+        "the instrument measures {seen:.2f} for SST65, but the spheres that rebound have "
+        "{true:.2f}.",
         probe_overstates_slow_rebounds,
     ),
     Remark(
-        "The article names no difference between the plateaus of the two classes. Here they differ"
-        " by {least:.2f} to {most:.2f} at the highest speed, depending on the contact.",
+        "The article names no difference between the plateaus of the two classes. Here they "
+        "differ by {least:.2f} to {most:.2f} at the highest speed, depending on the contact.",
         plateaus_differ,
     ),
     Remark(
-        "Piles are reported at 0.2 to 0.3 m/s. Spheres bounce repeatedly, each time more slowly, so"
-        " that half of all stay on a target of 5 mm radius already at {strong:.2f} m/s if v_c is"
-        " 0.18 m/s, and at {weak:.2f} m/s if it is 0.02 m/s. The observation speaks for the lower"
-        " value.",
+        "Piles are reported at 0.2 to 0.3 m/s. Spheres bounce repeatedly, each time more "
+        "slowly, so that half of all stay on a target of 5 mm radius already at {strong:.2f} "
+        "m/s if v_c is 0.18 m/s, and at {weak:.2f} m/s if it is 0.02 m/s. The observation "
+        "speaks for the lower value.",
         repeated_bounces_end_in_capture,
     ),
     Remark(
-        "The printed correction for the height of the probe adds the same speed before and after"
-        " the impact. This raises restitution by {fast:.2f} at 1.6 m/s and by {slow:.2f} at"
-        " 0.5 m/s; the figure uses the exact correction.",
+        "The printed correction for the height of the probe adds the same speed before and "
+        "after the impact. This raises restitution by {fast:.2f} at 1.6 m/s and by {slow:.2f} "
+        "at 0.5 m/s; the figure uses the exact correction.",
         printed_correction_raises,
     ),
 )
 FIG05_AGREEMENT = (
     Remark(
-        "The loss grows as the speed falls, from {fast:.0%} in the fastest experiment with SST65 to"
-        " {slow:.0%} in the slowest.",
+        "The loss grows as the speed falls, from {fast:.0%} in the fastest experiment with "
+        "SST65 to {slow:.0%} in the slowest.",
         loss_grows_towards_capture,
     ),
 )
 FIG05_DISAGREEMENT = (
     Remark(
-        "The probe misses the slowest rebounds and so understates the loss. At 0.3 m/s SST65 appears"
-        " to lose {seen:.0%} of its energy; the mean restitution of all that rebound gives"
-        " {true:.0%}.",
+        "The probe misses the slowest rebounds and so understates the loss. At 0.3 m/s SST65 "
+        "appears to lose {seen:.0%} of its energy; the mean restitution of all that rebound "
+        "gives {true:.0%}.",
         probe_understates_losses,
     ),
 )

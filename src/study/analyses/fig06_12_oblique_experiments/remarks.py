@@ -40,14 +40,14 @@ def largest_gap(
 def plateau_of_front(tables: ResultTables) -> Stated:
     """Restitution of the front is about 0.70 down to 30°."""
     level = between(tables, RESTITUTION, "silicon front", (30, 85))
-    return stated(0.63 <= min(level) and max(level) <= 0.77, low=min(level), high=max(level))
+    return stated(min(level) >= 0.63 and max(level) <= 0.77, low=min(level), high=max(level))
 
 
 def ratio_of_front(tables: ResultTables) -> Stated:
     """The impulse ratio is about 0.15 from 45 to 20° and rises at smaller angles."""
     level = between(tables, RATIO, "silicon front", (20, 45))
     fifteen, ten = (at(tables, RATIO, "silicon front", angle) for angle in (15, 10))
-    flat = 0.135 <= min(level) and max(level) <= 0.165 and max(level) < fifteen < ten
+    flat = min(level) >= 0.135 and max(level) <= 0.165 and max(level) < fifteen < ten
     return stated(flat, low=min(level), high=max(level), fifteen=fifteen, ten=ten)
 
 
@@ -115,7 +115,7 @@ def rolls_then_slides(tables: ResultTables) -> Stated:
     """The impulse ratio of the fastest class rises to 50° and is about 0.15 below."""
     steep, fifty = (at(tables, RATIO, "1.60 m/s", angle) for angle in (85, 50))
     level = between(tables, RATIO, "1.60 m/s", (30, 45))
-    flat = steep < fifty and 0.135 <= min(level) and max(level) <= 0.165
+    flat = steep < fifty and min(level) >= 0.135 and max(level) <= 0.165
     return stated(flat, low=min(level), high=max(level))
 
 
@@ -191,49 +191,50 @@ def spores_have_the_higher_ratio(tables: ResultTables) -> Stated:
 
 FIG06_DISAGREEMENT = (
     Remark(
-        "On the smooth front restitution at 10° is {mean:.2f} (95 % interval {low:.2f} to"
-        " {high:.2f}); the article says about 0.50.",
+        "On the smooth front restitution at 10° is {mean:.2f} (95 % interval {low:.2f} to "
+        "{high:.2f}); the article says about 0.50.",
         front_falls_too_far,
     ),
     Remark(
-        "Slopes alone lower restitution of the rough back at steep incidence, to {rough:.2f} from"
-        " {smooth:.2f} at 85°: an inclined facet deflects the rebound and so reduces its normal"
-        " velocity. The article finds it higher.",
+        "Slopes alone lower restitution of the rough back at steep incidence, to {rough:.2f} "
+        "from {smooth:.2f} at 85°: an inclined facet deflects the rebound and so reduces its "
+        "normal velocity. The article finds it higher.",
         partial(slopes_change, column=RESTITUTION, angle=85, sign=-1),
     ),
     Remark(
-        "Slopes raise the impulse ratio at shallow angles, to {rough:.2f} from {smooth:.2f} at 10°,"
-        " because particles hit the facets that face them more often. The article finds no increase.",
+        "Slopes raise the impulse ratio at shallow angles, to {rough:.2f} from {smooth:.2f} at "
+        "10°, because particles hit the facets that face them more often. The article finds no "
+        "increase.",
         partial(slopes_change, column=RATIO, angle=10, sign=1),
     ),
     Remark(
-        "Above 50° the rough back loses more energy, by {least:.1%} to {most:.1%}, not less."
-        " Weaker adhesion on the back, which the article suspects, would reverse this.",
+        "Above 50° the rough back loses more energy, by {least:.1%} to {most:.1%}, not less. "
+        "Weaker adhesion on the back, which the article suspects, would reverse this.",
         slopes_raise_losses,
     ),
 )
 FIG06_AGREEMENT = (
     Remark(
-        "On the smooth front restitution is {low:.2f} to {high:.2f} from 85 to 30°, without any fit"
-        " to angles; the article says about 0.70.",
+        "On the smooth front restitution is {low:.2f} to {high:.2f} from 85 to 30°, without any "
+        "fit to angles; the article says about 0.70.",
         plateau_of_front,
     ),
     Remark(
-        "The impulse ratio rises along the rolling line down to 50°, is {low:.2f} to {high:.2f} from"
-        " 45 to 20°, and rises at smaller angles: {fifteen:.2f} at 15°, {ten:.2f} at 10°.",
+        "The impulse ratio rises along the rolling line down to 50°, is {low:.2f} to {high:.2f} "
+        "from 45 to 20°, and rises at smaller angles: {fifteen:.2f} at 15°, {ten:.2f} at 10°.",
         ratio_of_front,
     ),
     Remark(
-        "On the rough back restitution exceeds one at shallow angles: {ten:.1f} at 10°, {five:.1f}"
-        " at 5°.",
+        "On the rough back restitution exceeds one at shallow angles: {ten:.1f} at 10°, "
+        "{five:.1f} at 5°.",
         back_exceeds_one,
     ),
 )
 FIG07_AGREEMENT = (
     Remark(
-        "Restitution at 85° is {front:.2f} on the front and {back:.2f} on the back. Its order, and"
-        " that of the losses, is an input and no evidence: the article prints no restitution of the"
-        " back, only that it is lower, and we assume silicon's.",
+        "Restitution at 85° is {front:.2f} on the front and {back:.2f} on the back. Its order, "
+        "and that of the losses, is an input and no evidence: the article prints no restitution "
+        "of the back, only that it is lower, and we assume silicon's.",
         order_of_faces,
     ),
     Remark(
@@ -243,94 +244,94 @@ FIG07_AGREEMENT = (
 )
 FIG08_DISAGREEMENT = (
     Remark(
-        "In the slowest class nothing rebounds below about 25°: {share:.0%} of the spheres are"
-        " captured at 20°. The article reports rebounds with high restitution at normal speeds below"
-        " the capture velocity. In both models capture depends on the normal speed alone. Slopes"
-        " could explain it, since most spheres then hit facets that face them.",
+        "In the slowest class nothing rebounds below about 25°: {share:.0%} of the spheres are "
+        "captured at 20°. The article reports rebounds with high restitution at normal speeds "
+        "below the capture velocity. In both models capture depends on the normal speed alone. "
+        "Slopes could explain it, since most spheres then hit facets that face them.",
         slow_class_is_captured,
     ),
 )
 FIG08_AGREEMENT = (
     Remark(
-        "Restitution falls with the speed and with the angle, most in the slowest class. At 85° it is"
-        " {e0:.2f}, {e1:.2f} and {e2:.2f}; from 85 to 30° it falls by {d0:.2f}, {d1:.2f} and"
-        " {d2:.2f}.",
+        "Restitution falls with the speed and with the angle, most in the slowest class. At 85° "
+        "it is {e0:.2f}, {e1:.2f} and {e2:.2f}; from 85 to 30° it falls by {d0:.2f}, {d1:.2f} "
+        "and {d2:.2f}.",
         classes_fall,
     ),
     Remark(
-        "In the fastest class it is {steep:.2f} at 85°, {middle:.2f} at 30° and {low:.2f} at 20°; the"
-        " article prints 0.70 at 85° and 0.65 at 25°.",
+        "In the fastest class it is {steep:.2f} at 85°, {middle:.2f} at 30° and {low:.2f} at "
+        "20°; the article prints 0.70 at 85° and 0.65 at 25°.",
         fast_class,
     ),
 )
 FIG09_DISAGREEMENT = (
     Remark(
-        "Without a mean spin the impulse ratio of the slowest class lies above that of the fastest,"
-        " {slow:.2f} against {fast:.2f} at 30°, because adhesion increases the normal force in"
-        " Coulomb's law. The article finds it lower, down to zero and below.",
+        "Without a mean spin the impulse ratio of the slowest class lies above that of the "
+        "fastest, {slow:.2f} against {fast:.2f} at 30°, because adhesion increases the normal "
+        "force in Coulomb's law. The article finds it lower, down to zero and below.",
         adhesion_raises_ratio,
     ),
     Remark(
-        "A mean spin of {spin:g} v/r lowers the ratio, but with the wrong dependence on the angle:"
-        " {steep:.2f} at 85°, {low:.2f} at 30°. The printed trend, positive at 85° and below zero at"
-        " smaller angles, needs a spin that grows as the target is tilted, although the dispenser"
-        " does not change. No one spin both narrows the rolling region and ends friction, as the"
-        " article saw in one series.",
+        "A mean spin of {spin:g} v/r lowers the ratio, but with the wrong dependence on the "
+        "angle: {steep:.2f} at 85°, {low:.2f} at 30°. The printed trend, positive at 85° and "
+        "below zero at smaller angles, needs a spin that grows as the target is tilted, "
+        "although the dispenser does not change. No one spin both narrows the rolling region "
+        "and ends friction, as the article saw in one series.",
         spin_lowers_at_steep_angles,
     ),
 )
 FIG09_AGREEMENT = (
     Remark(
-        "In the fastest class spheres roll down to 50°; from 45 to 30° the ratio is {low:.2f} to"
-        " {high:.2f}, near the printed 0.15.",
+        "In the fastest class spheres roll down to 50°; from 45 to 30° the ratio is {low:.2f} "
+        "to {high:.2f}, near the printed 0.15.",
         rolls_then_slides,
     ),
 )
 FIG11_DISAGREEMENT = (
     Remark(
-        "Restitution of the spores has no minimum: it is {least:.2f} or more down to 15°. The article"
-        " prints less than 0.55 at 38°.",
+        "Restitution of the spores has no minimum: it is {least:.2f} or more down to 15°. The "
+        "article prints less than 0.55 at 38°.",
         spores_have_no_minimum,
     ),
     Remark(
-        "The impulse ratio of the spores keeps rising below 15°, whereas the article reports a fall."
-        " At 10 and 5°, {ten:.0%} and {five:.0%} of the spores are captured, which a mean over"
-        " rebounds does not show.",
+        "The impulse ratio of the spores keeps rising below 15°, whereas the article reports a "
+        "fall. At 10 and 5°, {ten:.0%} and {five:.0%} of the spores are captured, which a mean "
+        "over rebounds does not show.",
         spores_are_captured,
     ),
     Remark(
-        "No single mechanism gives the printed shape. Slopes raise restitution to {slopes:.2f} at"
-        " 10°, second contacts change nothing, and a lever arm of 0.2 r gives {arm:.2f} at 38°, but"
-        " then no rise.",
+        "No single mechanism gives the printed shape. Slopes raise restitution to {slopes:.2f} "
+        "at 10°, second contacts change nothing, and a lever arm of 0.2 r gives {arm:.2f} at "
+        "38°, but then no rise.",
         lever_arm_gives_the_minimum,
     ),
 )
 FIG11_AGREEMENT = (
     Remark(
-        "From 85 to 55° the two particles differ by at most {e:.2f} in restitution and {loss:.2f} in"
-        " energy loss, although their stiffness differs by a factor of 16 and both were calibrated at"
-        " one angle only.",
+        "From 85 to 55° the two particles differ by at most {e:.2f} in restitution and "
+        "{loss:.2f} in energy loss, although their stiffness differs by a factor of 16 and both "
+        "were calibrated at one angle only.",
         spores_like_steel,
     ),
     Remark(
-        "Restitution of the spores is {low:.2f} to {high:.2f} down to 30° and rises to {shallow:.1f}"
-        " at 10°, from their slopes alone. Their impulse ratio has no plateau.",
+        "Restitution of the spores is {low:.2f} to {high:.2f} down to 30° and rises to "
+        "{shallow:.1f} at 10°, from their slopes alone. Their impulse ratio has no plateau.",
         spores_rise,
     ),
 )
 FIG12_DISAGREEMENT = (
     Remark(
-        "At shallow angles the impulse ratio of the spores is clearly higher, {spore:.2f} against"
-        " {steel:.2f} at 10°, because their slopes add to those of the surface. The article finds"
-        " the two nearly equal.",
+        "At shallow angles the impulse ratio of the spores is clearly higher, {spore:.2f} "
+        "against {steel:.2f} at 10°, because their slopes add to those of the surface. The "
+        "article finds the two nearly equal.",
         spores_have_the_higher_ratio,
     ),
 )
 FIG12_AGREEMENT = (
     Remark(
-        "Steel has the higher restitution at steep angles (by assumption at 85°), and both rise as"
-        " the angle falls; that of steel is {twenty:.2f} at 20°, where its slope was calibrated. At 85"
-        " and 70° the impulse ratios differ by at most {gap:.2f}.",
+        "Steel has the higher restitution at steep angles (by assumption at 85°), and both rise "
+        "as the angle falls; that of steel is {twenty:.2f} at 20°, where its slope was "
+        "calibrated. At 85 and 70° the impulse ratios differ by at most {gap:.2f}.",
         formica_like_printed,
     ),
 )

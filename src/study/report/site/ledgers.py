@@ -13,15 +13,7 @@ from markupsafe import Markup
 
 from study.judge.changed import OF_ANOTHER
 from study.judge.counts import verdicts
-from study.judge.words import (
-    bounds,
-    drawn_share,
-    fails,
-    in_words,
-    number,
-    readable,
-    with_unit,
-)
+from study.judge.words import in_words, readable, with_unit
 from study.report.site.formula import mathml
 
 Row = dict[str, str]
@@ -79,20 +71,6 @@ def by_claim(rows: Sequence[Row]) -> defaultdict[str, list[Row]]:
 def printed(claim: Row) -> str:
     """Return the article's value, with its unit if it is a number."""
     return with_unit(claim["article_value"], claim["unit"])
-
-
-def here(claim: Row, results: Sequence[Row], shares: Sequence[Row]) -> str:
-    """Return the outcome of a claim in a sentence: its shares, or the number that decides it."""
-    if shares:
-        return drawn_share(shares, claim["decided_by"])
-    tested = sorted((row for row in results if bounds(row)), key=lambda row: not fails(row))
-    if not tested:
-        return claim["note"]
-    least = tested[0]
-    case = f" for {least['case']}" if least["case"] else ""
-    required = f"required: {bounds(least)}"
-    label = least["label"]
-    return f"{label[:1].upper()}{label[1:]} is {number(least)}{case} ({required})."
 
 
 def margin(text: str) -> str:
