@@ -138,8 +138,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     """Compare the printed and the corrected equations with the exact coefficients.
 
     ``roughness``: e_m over slope, e_m and -mu_m at normal incidence, exact and by both forms of
-    each equation. The series ``range printed`` and ``range corrected`` are the two ends of the range
-    around no slope within which it is as exact as the tolerance asks.
+    each equation. The series ``range printed`` and ``range corrected`` are the two ends of the
+    range around no slope within which it is as exact as the tolerance asks.
     """
     return {"roughness": curves(params)}
 

@@ -16,6 +16,27 @@ from study.tables import ResultTables
 
 ARTICLE = re.compile(r"fig(\d\d)")
 ACRONYMS = {"ptis", "pdpa"}
+# What figures and tables are about, by the analyses that make them, as pages group them.
+SUBJECTS = {
+    "Capture velocity": (
+        *("capture_velocities", "inference", "fig15_16_restitution_fits", "rival_explanations"),
+        *("pile_up", "size_law", "calibration", "fig14_restitution_trends"),
+    ),
+    "Normal impact": (
+        *("fig04_05_normal_experiments", "fig20_force_history", "edge_speed"),
+        "particle_separation",
+    ),
+    "Oblique impact": ("fig06_12_oblique_experiments", "mechanisms", "oblique_data"),
+    "Friction and rolling": (
+        *("fig17_coulomb_friction", "fig18_21_oblique_impact", "rolling_dissipation"),
+    ),
+    "Roughness": ("fig23_monte_carlo", "roughness_expansions"),
+    "Instruments and set-ups": (
+        *("fig01_03_13_19_22_schematics", "pair_search", "track_imaging", "campaign"),
+    ),
+    "Statistics and sensitivity": ("fig24_25_doe", "sensitivity", "interval_coverage"),
+}
+OTHER = "Further analyses"
 # Names of the declared tables in a study, and those of their files.
 TABLES = {
     "materials": "materials",
@@ -48,6 +69,7 @@ class Figure:
 
     name: str
     label: str
+    subject: str
     title: str
     finding: str
     caption: str
@@ -90,6 +112,11 @@ def label(name: str) -> str:
     return " ".join([first.upper() if first in ACRONYMS else first.capitalize(), *rest])
 
 
+def subject(analysis: str) -> str:
+    """Return what an analysis is about."""
+    return next((words for words, names in SUBJECTS.items() if analysis in names), OTHER)
+
+
 def figures(
     results: Path, record: Record, ledgers: Mapping[str, Sequence[Row]], declared: Sequence[Row]
 ) -> list[Figure]:
@@ -118,6 +145,7 @@ def figures(
         return Figure(
             name=name,
             label=label(name),
+            subject=subject(study),
             title=entry["title"],
             finding=_line(finding(results / f"figures/{name}.csv")),
             **{key: _line(entry.get(key, "")) for key in ("caption", "method")},

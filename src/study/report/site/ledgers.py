@@ -38,6 +38,8 @@ EQUATION_VERDICTS = {
     "undecidable": "open",
 }
 CONTRADICTION = "contradiction"
+# Standard errors beyond which their number says no more.
+FAR = 100.0
 
 
 def read_rows(path: Path) -> list[Row]:
@@ -77,7 +79,8 @@ def margin(text: str) -> str:
     """Return in words how far the number that decides is from its bound."""
     distance = float(text)
     side = "beyond" if distance < 0 else "within"
-    return f"{readable(abs(distance))} standard errors {side} the bound."
+    far = "More than " if abs(distance) > FAR else ""
+    return f"{far}{readable(min(abs(distance), FAR))} standard errors {side} the bound."
 
 
 def anchor(prefix: str, name: str) -> str:
