@@ -168,8 +168,8 @@ class Claim:
 
     def __post_init__(self) -> None:
         """Refuse a sentence that leaves out a number that is tested, or names an unknown one."""
-        told = {name for _, name, _, _ in Formatter().parse(self.says) if name}
-        if self.says and (told - {*self.numbers} or {*self.tests} - told):
+        named = {name for _, name, _, _ in Formatter().parse(self.says) if name}
+        if self.says and (named - {*self.numbers} or {*self.tests} - named):
             raise ValueError(f"claim {self.id!r}: says must tell all of {', '.join(self.tests)}")
 
     def __call__(self, function: Function) -> Function:

@@ -126,8 +126,8 @@ class Place:
 
     def __format__(self, spec: str) -> str:
         """Return the range of the numbers, or the test, in words."""
-        other = spec.removeprefix("bound").strip()
-        scale, unit = SCALES[other] if other else (1.0, self.results[0]["unit"])
+        suffix = spec.removeprefix("bound").strip()
+        scale, unit = SCALES[suffix] if suffix else (1.0, self.results[0]["unit"])
         if spec.startswith("bound"):
             test = dict(self.results[0])
             test |= {end: _rounded(scale, test[end]) for end in ("low", "high") if test[end] != ""}

@@ -113,7 +113,7 @@ def label(name: str) -> str:
 
 
 def subject(analysis: str) -> str:
-    """Return what an analysis is about."""
+    """Return the subject of an analysis, under which pages list its figures and tables."""
     return next((words for words, names in SUBJECTS.items() if analysis in names), OTHER)
 
 
