@@ -7,13 +7,14 @@ import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from microimpact.core.computable import NotComputable
 from microimpact.core.files import write_file
+from microimpact.core.nearest import nearest
 
 # Loaded where a table is made or read: the workflow, which asks for names alone, starts sooner.
 if TYPE_CHECKING:
@@ -254,3 +255,69 @@ def require_whole_rows(text: str, name: str) -> None:
             )
     if not text.endswith("\n"):
         raise TableError(f"{name}: cut short: its last line does not end")
+
+
+class Numbers:
+    """One table as a page reads it: `table(column, **where)` is the only such number.
+
+    `name`: of the table, for messages; `rows`: its rows.
+    """
+
+    def __init__(self, name: str, rows: pd.DataFrame) -> None:
+        self.name, self.rows = name, rows
+
+    def __call__(self, column: str, **where: Any) -> float:
+        """Return the number of a column in the one row that meets all conditions.
+
+        Raises TableError if there is no such column, or not exactly one such row with a number.
+        """
+        numbers = self.all(column, **where)
+        if len(numbers) != 1:
+            raise TableError(f"{self.name}.{column}: {len(numbers)} numbers at {where}, not one")
+        return numbers[0]
+
+    def all(self, column: str, **where: Any) -> list[float]:
+        """Return all numbers of a column in rows that meet all conditions.
+
+        A condition is a value, or the pair of ends between which a number must lie.
+
+        Raises TableError if there is no such column or no such number.
+        """
+        chosen = np.ones(len(self.rows), bool)
+        for key, value in where.items():
+            cells = self._column(key)
+            if isinstance(value, tuple):
+                chosen &= cells.between(*value).to_numpy()
+            elif isinstance(value, str):
+                chosen &= (cells == value).to_numpy()
+            else:
+                chosen &= np.isclose(cells.to_numpy(float), value)
+        numbers = self._column(column)[chosen].dropna().astype(float).to_list()
+        if not numbers:
+            raise TableError(f"{self.name}.{column}: no number at {where}")
+        return numbers
+
+    def _column(self, name: str) -> pd.Series:
+        if name not in self.rows:
+            raise TableError(f"{self.name}: no column {name!r}{nearest(name, self.rows.columns)}")
+        return self.rows[name]
+
+
+class ResultTables:
+    """The tables of a run, each read when it is first asked for.
+
+    `folder`: results; `read`: tables by the names asked for.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.read: dict[str, Numbers] = {}
+
+    def __call__(self, name: str) -> Numbers:
+        """Return a table; raises TableError if there is none, or if it could not be computed."""
+        if name not in self.read:
+            path = self.folder / f"tables/{name}.csv"
+            if not path.is_file():
+                raise TableError(f"{path}: no such table")
+            self.read[name] = Numbers(name, read_table(path))
+        return self.read[name]

@@ -25,6 +25,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field, fields, make_dataclass, replace
 from decimal import Decimal
+from string import Formatter
 from typing import Any, Literal, get_type_hints
 
 import numpy as np
@@ -119,6 +120,8 @@ class Claim:
         Sections and figures, first the one of the quote; and a few words of the article.
     article, unit
         The printed number, or the shape, sign or order claimed; its unit, ``-`` for none.
+    says
+        What the numbers say, as a sentence with their names for ``{places}``, see `words.outcome`.
     numbers
         By name, in the order of the results; none if nothing was published to test.
     reason
@@ -148,6 +151,7 @@ class Claim:
     where: str
     article: str
     reason: str
+    says: str = ""
     numbers: Mapping[str, Number] = field(default_factory=dict)
     quote: str = ""
     kind: Kind = "model"
@@ -161,6 +165,12 @@ class Claim:
     by_case: bool = False
     by_contact: bool = False
     function: Function | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a sentence that leaves out a number that is tested, or names an unknown one."""
+        named = {name for _, name, _, _ in Formatter().parse(self.says) if name}
+        if self.says and (named - {*self.numbers} or {*self.tests} - named):
+            raise ValueError(f"claim {self.id!r}: says must tell all of {', '.join(self.tests)}")
 
     def __call__(self, function: Function) -> Function:
         """Register the function that computes the numbers.
@@ -223,7 +233,7 @@ class Claim:
         Raises ConfigError if the words name a parameter that there is not.
         """
         known = {**values, **values.get(self.id, {})}
-        texts = {key: getattr(self, key) for key in ("statement", "article", "reason")}
+        texts = {key: getattr(self, key) for key in ("statement", "says", "article", "reason")}
         labels = {name: number.label for name, number in self.numbers.items()}
         words = filled({**texts, "numbers": labels, "cases": [*self.cases]}, known, self.id)
         labels, cases = words.pop("numbers"), tuple(words.pop("cases"))

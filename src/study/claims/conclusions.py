@@ -20,6 +20,10 @@ from study.declared.parameters import (
 @Claim(
     "C40",
     "Final spins reach the order of 1e3 rad/s.",
+    says=(
+        "The largest final spin is {largest_final_spin}; the printed order is "
+        "{largest_final_spin:bound}."
+    ),
     where="6",
     quote="the final rotational velocities were determined to reach the order of 10³ rad/s",
     kind="contradiction",
@@ -46,6 +50,10 @@ def c40(context: Context) -> Numbers:
 @Claim(
     "C58",
     "The impacts hardly deform the materials plastically.",
+    says=(
+        "Plastic flow would take {plastic_loss_over_measured_loss} of the measured loss, from "
+        "spring hard to annealed steel; little is {plastic_loss_over_measured_loss:bound}."
+    ),
     where="7, 3",
     quote="plastic deformation during impact is minimal",
     article="minimal",
@@ -90,6 +98,10 @@ def c58(context: Context, *, yield_strengths_MPa: dict[Name, Positive]) -> Numbe
 @Claim(
     "C97",
     "Captured spheres can roll away from the spot they hit on a tilted target.",
+    says=(
+        "A captured sphere rolls {distance_rolled_over_half_width_of_spot} times the half-width "
+        "of the spot, depending on the assumed shift of the rolling moment."
+    ),
     where="6",
     quote="captured particles can roll away from the (tilted) target zone",
     article="roll away",

@@ -19,6 +19,12 @@ REALISTIC, SMALL = "realistic", "uniform"
         "With realistic levels the radius and the work of adhesion dominate the capture velocity; "
         "the radius lowers it, the work of adhesion raises it."
     ),
+    says=(
+        "The effect of the radius is {effect_of_radius_over_margin} times the margin and that of "
+        "the work of adhesion {effect_of_work_of_adhesion_over_margin} times; the smaller of both "
+        "is {smaller_of_both_over_largest_other_effect} times the largest other effect, where "
+        "{smaller_of_both_over_largest_other_effect:bound} would dominate."
+    ),
     where="4.3, Fig. 24",
     quote="factors C, microsphere radius, and B, Dupré surface energy, stand out",
     article="C negative and B positive, both outstanding",
@@ -86,6 +92,12 @@ def ranking(context: Context, variation: str) -> Numbers:
         "With levels of plus and minus 5 % the effects of the stiffness and of the adhesion "
         "damping stand out from the interactions as well."
     ),
+    says=(
+        "The effect of the stiffness is {size_of_stiffness_effect_over_margin} times the margin "
+        "and that of the adhesion damping {size_of_adhesive_damping_effect_over_margin} times; "
+        "those of radius and adhesion are at least "
+        "{smaller_of_radius_and_adhesion_over_larger_of_these} times as large."
+    ),
     where="4.3, Fig. 25",
     quote="factors A, Hertzian stiffness, and D, adhesion damping, show significance",
     article="A and D significant as well as B and C",
@@ -127,6 +139,10 @@ def c54(context: Context) -> Numbers:
 @Claim(
     "C55",
     "The interaction of the work of adhesion with the adhesion damping is significant.",
+    says=(
+        "The interaction BD is {size_of_bd_over_margin} times the margin; significant is "
+        "{size_of_bd_over_margin:bound}."
+    ),
     where="4.3, Fig. 25",
     quote=(
         "an interaction between Dupré surface energy and adhesion damping, also shows significance"
@@ -171,6 +187,11 @@ def c55(context: Context) -> Numbers:
     (
         "Stiffness and material damping influence capture less than the radius and the work of "
         "adhesion."
+    ),
+    says=(
+        "The effects of stiffness and material damping are at most "
+        "{larger_of_stiffness_and_material_damping_over_smaller_leading_effect} times the smaller "
+        "leading effect."
     ),
     where="4.3",
     quote="the mechanical stiffness and material dissipation play secondary roles",

@@ -57,6 +57,10 @@ FAMILY = (
 @Claim(
     "C25",
     "The damping parameters zeta are dimensionless.",
+    says=(
+        "The largest exponent of a base unit in the damping parameters, as corrected, is "
+        "{largest_exponent_of_a_base_unit}."
+    ),
     where="3.2",
     quote="The damping terms can be modified by defining nondimensional dissipation parameters.",
     article="0",
@@ -127,6 +131,10 @@ def in_other_units(contact: Contact, mass: float, length: float, time: float) ->
 @Claim(
     "C27",
     "At the high speeds of the estimation the loss to adhesion is negligible.",
+    says=(
+        "At [[capture_velocities.2:g]] capture velocities {adhesion_share_at_high_speed:%} of the "
+        "loss goes into adhesion; {adhesion_share_at_high_speed:bound %} counts as negligible."
+    ),
     where="3.2.1",
     quote="For a high initial velocity (when adhesion dissipation is negligible)",
     article="negligible",
@@ -163,6 +171,10 @@ def c27(context: Context, *, capture_velocities: tuple[Positive, Positive, Posit
 @Claim(
     "C28",
     "Restitution at one high and one low speed determines a pair of damping parameters.",
+    says=(
+        "The pair of damping parameters misses restitution by {residual_of_restitution} and the "
+        "capture velocity by {residual_of_capture_velocity}."
+    ),
     where="3.2.1",
     quote="chosen by matching the experimentally-measured coefficient of restitution",
     article="e 0.70 at 1.66 m/s, capture at 0.18 m/s",
@@ -193,6 +205,10 @@ def c28(context: Context) -> Numbers:
 @Claim(
     "C29",
     "Adhesion makes a sphere deform more in an impact.",
+    says=(
+        "With adhesion the compression is at least "
+        "{least_ratio_of_compression_with_to_without_adhesion} times that without."
+    ),
     where="3.2.1",
     quote="The presence of adhesion makes a sphere deform somewhat more",
     article="inequality",
@@ -224,6 +240,10 @@ def c29(context: Context, *, slow_speed_m_per_s: Positive) -> Numbers:
         "The normal force is negative near the beginning and near the end of contact, and more so "
         "near the end."
     ),
+    says=(
+        "The first dip of the force is {first_dip_over_peak_force} of the peak, the second "
+        "{second_dip_over_peak_force}, that is {ratio_of_second_to_first_dip} times the first."
+    ),
     where="3.2.2, Fig. 20",
     quote="the negative dips to the total force near the beginning and end of contact",
     article="two dips, the second deeper",
@@ -250,6 +270,10 @@ def c30(context: Context) -> Numbers:
 @Claim(
     "C31",
     "In Fig. 20 the ring force of ammonium fluorescein on molybdenum is 8.90 N/m.",
+    says=(
+        "The printed ring force needs a work of adhesion of {work_of_adhesion_by_eq_30}; "
+        "plausible is {work_of_adhesion_by_eq_30:bound}."
+    ),
     where="3.2.2, Fig. 20",
     quote="A value of f_0 = 8.90 N/m is used.",
     article="8.90",
@@ -275,6 +299,10 @@ def c31(context: Context, *, case: CaseName) -> Numbers:
 @Claim(
     "C32",
     "The largest adhesion force is about a third of the largest Hertz force.",
+    says=(
+        "The largest adhesion force is {peak_adhesion_over_peak_hertz} of the largest Hertz "
+        "force; accepted is {peak_adhesion_over_peak_hertz:bound}."
+    ),
     where="7, Fig. 20",
     quote="the peak adhesion force was approximately 1/3 of the peak Hertzian force",
     article="1/3",
@@ -300,6 +328,10 @@ def c32(context: Context) -> Numbers:
 @Claim(
     "C33",
     ("The largest dissipative part of adhesion is about a fifth of the largest adhesion force."),
+    says=(
+        "The largest dissipative part is {peak_adhesion_dissipation_over_adhesion} of the largest "
+        "adhesion force."
+    ),
     where="7, Fig. 20",
     quote=(
         "the corresponding peak adhesion dissipation force was about 1/5 of the peak adhesion force"
@@ -325,6 +357,11 @@ def c33(context: Context) -> Numbers:
 @Claim(
     "C34",
     "Ammonium fluorescein on molybdenum is captured below 1.47 m/s.",
+    says=(
+        "The printed facts allow any capture velocity from {least_capture_velocity} to "
+        "{greatest_capture_velocity}, a factor of {greatest_over_least_capture_velocity}; it is "
+        "identified if the factor is {greatest_over_least_capture_velocity:bound}."
+    ),
     where="3.1.4, Fig. 15",
     quote="ammonium fluorescein particles on molybdenum, Δ (v_c = 1.47)",
     article="1.47",
@@ -361,6 +398,10 @@ def c34(context: Context, *, diameter_um: Positive) -> Numbers:
 @Claim(
     "C35",
     "Ammonium fluorescein on mica is captured below 1.10 m/s, less than on molybdenum.",
+    says=(
+        "The capture velocity on mica is {capture_velocity}, where the work of adhesion is "
+        "{work_of_adhesion_over_that_on_molybdenum} of that on molybdenum."
+    ),
     where="3.1.4, Fig. 15",
     quote="mica, × (v_c = 1.10)",
     article="1.10",
@@ -395,6 +436,7 @@ def c35(context: Context, *, on_mica: CaseName, on_molybdenum: CaseName) -> Numb
 @Claim(
     "C36",
     "Steel on silicon is captured below 0.18 m/s.",
+    says="The capture velocity is {capture_velocity}, to which the contacts were calibrated.",
     where="3.1.4, Fig. 16",
     quote="capture velocity is 0.18 m/s",
     article="0.18",
@@ -420,6 +462,10 @@ def c36(context: Context) -> Numbers:
 @Claim(
     "C37",
     "Impacts of steel on silicon last 300 to 700 ns.",
+    says=(
+        "The shortest impacts last {shortest_contact}, the longest {longest_contact}; accepted is "
+        "{shortest_contact:bound} and {longest_contact:bound}."
+    ),
     where="3.2.2",
     quote="contact durations ranging from 300 to 700 ns",
     article="300 to 700",
@@ -468,6 +514,10 @@ def c37(
 @Claim(
     "C38",
     "Strain rates in the impacts of steel on silicon reach 1e5 to 1e6 per second.",
+    says=(
+        "The strain rate is {rate_of_radius_strain} by the contact radius and "
+        "{rate_of_tabor_strain} by Tabor's strain."
+    ),
     where="3.2.2, 3",
     quote="strain rates as high as 10⁵ to 10⁶ s",
     article="1e5 to 1e6",
@@ -502,6 +552,7 @@ def c38(context: Context) -> Numbers:
 @Claim(
     "C39",
     "Near 50° the sphere leaves with a spin of about 2.3e4 rad/s.",
+    says="At [[angle_deg:g]]° the final spin is {final_spin}.",
     where="3.2.2, Fig. 21",
     quote="the final angular velocity from the simulation is about 2.3 × 10⁴ rad/s",
     article="2.3e4",
@@ -528,6 +579,11 @@ def c39(context: Context, *, angle_deg: AngleDegrees) -> Numbers:
     (
         "The energy of rotation is so large a part of the final energy that leaving it out "
         "overstates the loss visibly."
+    ),
+    says=(
+        "Leaving rotation out overstates the loss by {least_gap_of_losses} or more and by up to "
+        "{largest_gap_of_losses_over_half_width} half-widths of the error bar; rotation has "
+        "{rotational_share_of_final_energy:%} of the final energy at [[angle_deg:g]]°."
     ),
     where="3.2.2, 6, Fig. 21",
     quote="the rotational kinetic energy for microsphere impact can be significant",
@@ -593,6 +649,12 @@ def gap_over_half_width(context: Context, dropped: Dropped, angle: float) -> flo
 @Claim(
     "C42",
     "The rolling resistance can be neglected, estimated as it can arise within an impact.",
+    says=(
+        "The rolling moment reaches {largest_rolling_moment_over_friction_moment} of the moment "
+        "of friction as it can arise within an impact, and the contact radius "
+        "{largest_contact_radius_over_radius} of the radius; negligible is "
+        "{largest_rolling_moment_over_friction_moment:bound}."
+    ),
     where="3.2.3, Fig. 13",
     quote="the effect of rolling dissipation can be neglected",
     article="negligible",
@@ -648,6 +710,10 @@ def c42(context: Context, *, stiffness_error: Fraction) -> Numbers:
         "At 1.66 m/s most of the loss goes into adhesion, although the estimation neglects "
         "adhesion damping at high speed."
     ),
+    says=(
+        "Adhesion takes {adhesion_share_of_normal_loss:%} of the normal loss; most of it is "
+        "{adhesion_share_of_normal_loss:bound %}."
+    ),
     where="2.4.1, 3.2.1",
     quote="most of the loss occurs due to overcoming surface adhesion",
     kind="contradiction",
@@ -674,6 +740,12 @@ def c70(context: Context) -> Numbers:
 @Claim(
     "C99",
     "One pair of damping parameters matches restitution over the whole range of speeds.",
+    says=(
+        "Restitution at speeds that were not fitted is wrong by {largest_error}, where "
+        "{largest_error:bound} is accepted, and the contacts that fit differ by "
+        "{spread_of_members} at [[open_speed_m_per_s:g]] m/s, where {spread_of_members:bound} "
+        "would identify it."
+    ),
     where="3.2.1",
     quote="matches the coefficient of restitution over the desirable range of initial velocities",
     article="match",
@@ -724,6 +796,7 @@ def c99(
         "The two printed expressions of the damping parameters, by the Hertz period and by the "
         "group, are equal."
     ),
+    says="One printed expression is {ratio_of_expressions} times the other.",
     where="3.2",
     quote="is the period of contact predicted by Hertzian theory",
     kind="contradiction",

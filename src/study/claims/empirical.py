@@ -37,6 +37,11 @@ READINGS = {"typical experiment": 1.0, "19 of 20 experiments": 1.96}
 @Claim(
     "C43",
     "A fit of the empirical equations to rebounds alone finds the capture velocity.",
+    says=(
+        "The fitted capture velocity is wrong by {relative_error_of_fitted_capture_velocity:%}, "
+        "from a typical experiment to the worst but one of twenty; accepted is "
+        "{relative_error_of_fitted_capture_velocity:bound %}."
+    ),
     where="3.3, 7, Figs. 15 and 16",
     quote="using impact data from experiments where capture never actually occurs",
     article="equal",
@@ -100,6 +105,11 @@ def c43(
 @Claim(
     "C104",
     "The empirical equations determine a unique capture velocity from rebounds.",
+    says=(
+        "The interval of the fitted capture velocity has a width of "
+        "{relative_width_of_profile_interval:%}; unique is "
+        "{relative_width_of_profile_interval:bound %}."
+    ),
     where="7, Fig. 15",
     quote="automatically determine a unique value of the capture velocity",
     article="unique",

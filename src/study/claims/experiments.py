@@ -46,6 +46,10 @@ Sizes = Annotated[tuple[Positive, ...], Field(min_length=2)]
 @Claim(
     "C01",
     "Falling freely through 0.01 to 1.0 m, a particle reaches 0.44 to 4.4 m/s.",
+    says=(
+        "After the shortest fall a particle has {speed_after_shortest_fall}, after the longest "
+        "{speed_after_longest_fall}."
+    ),
     where="2.1",
     quote="providing a velocity range from 0.44 m/s to 4.4 m/s",
     article="0.44 to 4.4",
@@ -68,6 +72,10 @@ def c01(context: Context, *, heights_m: PositiveRange, exit_speed_m_per_s: NonNe
 @Claim(
     "C03",
     "A probe about 1 mm above the surface sees rebounds down to the capture velocity.",
+    says=(
+        "Of the rebounds at [[speed_m_per_s:g]] m/s, {share_of_rebounds_below_probe:%} do not "
+        "rise to the probe; {share_of_rebounds_below_probe:bound %} may be missing."
+    ),
     where="2.1",
     quote="The probe volume was positioned about 1 mm above the surface.",
     kind="virtual experiment",
@@ -120,6 +128,10 @@ def of_class(diameter_um: Distribution, sizes: int) -> FloatArray:
         "The impacts at 0.2 to 0.3 m/s fell through at least 0.01 m, the smallest drop height of "
         "the dispenser."
     ),
+    says=(
+        "An impact at [[speed_m_per_s:g]] m/s needs a fall of {drop_height:mm}. The smallest "
+        "height is printed as 0.01 m, that is {drop_height:bound mm}."
+    ),
     where="2.1, 2.3.1",
     quote="varied from 0.01 m to 1.0 m",
     kind="contradiction",
@@ -142,6 +154,12 @@ def c04(context: Context, *, speed_m_per_s: Positive) -> Numbers:
 @Claim(
     "C05",
     "Restitution is roughly constant above about 0.75 m/s and falls with the speed below it.",
+    says=(
+        "Restitution changes by {largest_relative_change_of_restitution:%} above "
+        "[[flat_from_m_per_s:g]] m/s, where {largest_relative_change_of_restitution:bound %} "
+        "counts as constant, and falls by {relative_fall_of_restitution:%} at "
+        "[[slow_speed_m_per_s:g]] m/s."
+    ),
     where="2.3.1, Fig. 4",
     quote=(
         "at higher initial velocities (above about 0.75 m/s), the coefficient of restitution is "
@@ -183,6 +201,11 @@ def c05(context: Context, *, flat_from_m_per_s: Positive, slow_speed_m_per_s: Po
     (
         "The larger spheres have the lower capture velocity, and their restitution begins to fall "
         "at a lower speed."
+    ),
+    says=(
+        "The capture velocity of [[diameters_um.0:g]] µm is {ratio_of_capture_velocities} of that "
+        "of [[diameters_um.1:g]] µm, and the speed at which restitution begins to fall "
+        "{ratio_of_speeds_below_plateau} of it."
     ),
     where="2.3.1, 6, Fig. 4",
     quote="This inherently leads to a lower capture velocity for larger diameter microspheres.",
@@ -248,6 +271,10 @@ def speed_of_share(context: Context, contact: Contact, share: float) -> FloatArr
 @Claim(
     "C08",
     "The mean sphere of the smaller size class is captured below about 0.2 to 0.3 m/s.",
+    says=(
+        "The mean sphere of [[diameter_um:g]] µm is captured below {capture_velocity}; accepted "
+        "is {capture_velocity:bound}."
+    ),
     where="2.3.1",
     quote="(i.e., were captured by the surface) at about 0.2 to 0.3 m/s",
     article="0.2 to 0.3",
@@ -288,6 +315,12 @@ def sized(contact: Contact, diameter: Real, work_exponent: float) -> Contact:
         "The trajectory imaging system can measure speeds from about 0.1 to 30 m/s, given a frame "
         "rate and a field of view."
     ),
+    says=(
+        "Some field of view serves {speeds_served_by_some_field_of_view} of the declared speeds, "
+        "of which {speeds_served_by_some_field_of_view:bound} are needed, and the slowest would "
+        "need a fall of {drop_to_slowest_speed}, where the dispenser gives "
+        "{drop_to_slowest_speed:bound}."
+    ),
     where="2.1",
     quote="the system could measure particle velocities ranging from about 0.1 to 30 m/s",
     kind="virtual experiment",
@@ -319,6 +352,12 @@ def c61(context: Context, *, most_pulses_per_s: Positive) -> Numbers:
 @Claim(
     "C62",
     "Pairs are found equally well whatever the height of the probe above the surface.",
+    says=(
+        "Between heights of the probe precision changes by "
+        "{largest_change_of_precision_over_half_width} half-widths of the error bar and recall by "
+        "{largest_change_of_recall_over_half_width}; no effect is "
+        "{largest_change_of_precision_over_half_width:bound}."
+    ),
     where="2.1",
     quote="had no effect on pair identification",
     kind="virtual experiment",
@@ -360,6 +399,12 @@ def c62(context: Context, *, speeds_m_per_s: tuple[Positive, ...]) -> Numbers:
 @Claim(
     "C63",
     "The error bars contain the true mean with a probability of 95 %.",
+    says=(
+        "The error bars contain the mean of the observable events in "
+        "{least_coverage_of_mean_of_observable_events:%} to "
+        "{greatest_coverage_of_mean_of_observable_events:%} of the experiments; required is "
+        "{least_coverage_of_mean_of_observable_events:bound %}."
+    ),
     where="2.1",
     quote="to provide estimates of the true mean values at 95% confidence",
     kind="virtual experiment",
@@ -409,6 +454,11 @@ def c63(context: Context) -> Numbers:
 @Claim(
     "C64",
     "The fall of restitution at low speeds is stronger for the smaller size class.",
+    says=(
+        "The smaller class falls to [[plateau_share:g]] of its plateau at "
+        "{ratio_of_speeds_below_plateau} times the speed of the larger one; the interval begins "
+        "at {lower_end_of_its_interval}."
+    ),
     where="2.3.1, Fig. 4",
     quote="This effect is more pronounced for smaller diameter particles",
     kind="virtual experiment",
@@ -502,6 +552,11 @@ def fallen_speed(speed: FloatArray, restitution: FloatArray, share: float) -> Fl
         "The spread of diameters prevents an exact measurement of the capture velocity of the "
         "smaller class."
     ),
+    says=(
+        "The speeds at which some spheres are captured and some rebound span "
+        "{width_of_capture_over_capture_velocity:%} of the capture velocity at "
+        "[[named_diameter_um:g]] µm."
+    ),
     where="2.3.1",
     quote="it was impossible to measure directly an exact capture velocity",
     kind="virtual experiment",
@@ -541,6 +596,13 @@ def c65(
 @Claim(
     "C66",
     "A pile that grows at 0.2 to 0.3 m/s means capture in one impact.",
+    says=(
+        "Piles begin at {onset_speed_with_strong_capture} with a capture velocity of "
+        "[[strong_capture_m_per_s:g]] m/s and at {onset_speed_with_weak_capture} with one of "
+        "[[weak_capture_m_per_s:g]] m/s, {least_difference_of_onset_speeds} apart or more; "
+        "accepted is {onset_speed_with_strong_capture:bound} and "
+        "{onset_speed_with_weak_capture:bound}."
+    ),
     where="2.3.1, 6",
     quote="the microspheres started to pile up on the substrate surface",
     kind="virtual experiment",
@@ -636,6 +698,11 @@ def first_pile(
     (
         "The plateau of restitution above 0.75 m/s remains when the whole sieve range of the "
         "smaller class is averaged."
+    ),
+    says=(
+        "Averaged over the sieve range, restitution changes by "
+        "{largest_relative_change_of_conditional_mean:%} above [[flat_from_m_per_s:g]] m/s; "
+        "{largest_relative_change_of_conditional_mean:bound %} counts as constant."
     ),
     where="2.3.1, Fig. 4",
     quote="both cases display a similar trend",

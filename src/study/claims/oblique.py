@@ -88,6 +88,9 @@ untestable(
         "The sphere leaves the surface rolling from 90° down to about 50°, and sliding at smaller "
         "angles."
     ),
+    says=(
+        "Rolling ends at {rolling_to_sliding_angle}; accepted is {rolling_to_sliding_angle:bound}."
+    ),
     where="2.4.1, 2.4.2, Fig. 6",
     quote="from 90° down to approximately 50°, where it transitions to a constant value",
     article="50",
@@ -130,6 +133,11 @@ def c10(context: Context) -> Numbers:
     (
         "The true restitution never exceeds one. The restitution measured on a rough surface can, "
         "up to the limit set by energy."
+    ),
+    says=(
+        "The true restitution is {largest_true_restitution} or less, the measured one reaches "
+        "{largest_measured_restitution}, and its product with the sine of the angle "
+        "{largest_measured_restitution_times_sine}, with the limit at one."
     ),
     where="4.1.1, 2.4.1",
     quote="conservation of energy requires that 0 ≤ e ≤ 1",
@@ -178,6 +186,10 @@ def c11(context: Context, *, angles_deg: AngleRange) -> Numbers:
 @Claim(
     "C12",
     "At 1.60 m/s the translational energy loss is about constant from 85 to 50°.",
+    says=(
+        "The energy loss changes by {largest_relative_change_of_energy_loss:%}; "
+        "{largest_relative_change_of_energy_loss:bound %} counts as constant."
+    ),
     where="2.4.2, Fig. 10",
     quote="the loss is approximately constant from 85° down to 50°",
     article="constant",
@@ -200,6 +212,11 @@ def c12(context: Context, *, speed_m_per_s: Positive, angles_deg: SteepToShallow
 @Claim(
     "C13",
     "Below 50° the translational energy loss falls steadily to nearly zero.",
+    says=(
+        "The energy loss at [[angles_deg.1:g]]° is {energy_loss_at_shallow_angle}; "
+        "{energy_loss_at_shallow_angle:bound} counts as nearly zero. On the way it rises by "
+        "{largest_rise_towards_shallow_angles}."
+    ),
     where="2.4.2, Fig. 10",
     quote="the normalized energy loss decreases consistently to near zero",
     article="0",
@@ -239,6 +256,10 @@ def translational_loss(context: Context, speed: float, *steep_to_shallow: float)
     (
         "Without spin the ratio eta is the reciprocal of the tangent of the angle. Below 45° eta "
         "and its square exceed one, and the square grows faster."
+    ),
+    says=(
+        "Eta differs from Eq. 13 by {largest_difference_from_eq_13}; below 45° it is {least_eta} "
+        "or more, and its square over it {least_ratio_of_square_to_eta} or more."
     ),
     where="2.4.2",
     quote="both are larger than unity for α_i < 45°",
@@ -283,6 +304,10 @@ def inverse_tangent(angle: FloatArray) -> FloatArray:
     (
         "In some oblique impacts spheres rebound without any capture although their normal speed "
         "is below the printed capture velocity at normal incidence, tested at 0.45 m/s."
+    ),
+    says=(
+        "Below [[normal_speed_below_m_per_s:g]] m/s, {captured_share:%} of the spheres are "
+        "captured; {captured_share:bound %} would go unseen."
     ),
     where="2.4.2, Fig. 8",
     quote="yet no capture was observed and the coefficient of restitution was still rather high",
@@ -343,6 +368,10 @@ def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
         "With falling angle the impulse ratio passes through four regions, namely rolling, "
         "transition, sliding and a departure from the constant."
     ),
+    says=(
+        "The impulse ratio passes through {regions_found} regions; {regions_found:bound} are "
+        "claimed."
+    ),
     where="2.4",
     quote="four regions of different surface contact mechanics can be identified",
     kind="virtual experiment",
@@ -394,6 +423,12 @@ def found_regions(context: Context, dropped: Dropped) -> Numbers:
 @Claim(
     "C68",
     "At 1.66 m/s restitution is about 0.70 above 10° and falls to about 0.50 at 10°.",
+    says=(
+        "From [[plateau_angles_deg.0:g]] to [[plateau_angles_deg.1:g]]° restitution departs from "
+        "the plateau by {largest_difference_from_plateau}, where "
+        "{largest_difference_from_plateau:bound} is accepted, and at [[grazing_angle_deg:g]]° it "
+        "is {restitution_at_grazing_angle}, where {restitution_at_grazing_angle:bound} is."
+    ),
     where="2.4.1, 6, Fig. 6",
     quote="approximately 10° or less, where it decreases to e ≈ 0.50",
     article="0.70, 0.50",
@@ -436,6 +471,12 @@ def c68(
 @Claim(
     "C69",
     "The impulse ratio is flat from 50 to 15° and rises below.",
+    says=(
+        "The impulse ratio at [[level_angles_deg.0:g]]° is {level_of_impulse_ratio} times that at "
+        "[[level_angles_deg.1:g]]°, where {level_of_impulse_ratio:bound} is flat, and at "
+        "[[rise_angles_deg.0:g]]° {rise_of_impulse_ratio} times that at [[rise_angles_deg.1:g]]°, "
+        "where {rise_of_impulse_ratio:bound} is a rise."
+    ),
     where="2.4.1, 3.1.4, 6, Fig. 6",
     quote="Below approximately 15°, the impulse ratio rises slightly.",
     article="constant, then rising",
@@ -488,6 +529,12 @@ def quotient(context: Context, angles: tuple[float, float], basis: str = "") -> 
     (
         "Above 20° restitution is slightly higher on the rough back of the silicon than on its "
         "smooth face, which weaker adhesion there would explain."
+    ),
+    says=(
+        "Restitution of the rough back less that of the smooth face is "
+        "{least_difference_rough_less_smooth_with_half_adhesion} with half the adhesion and "
+        "{least_difference_rough_less_smooth_with_slopes_alone} with slopes alone, at the angle "
+        "where it is least."
     ),
     where="2.4.1, 6, Fig. 6",
     quote="the coefficient of restitution for the rough surface was slightly larger",
@@ -547,6 +594,11 @@ def pair(
 @Claim(
     "C72",
     "The impulse ratio on the rough surface is not higher than on the smooth one.",
+    says=(
+        "The impulse ratio on the rough surface is higher by up to "
+        "{largest_excess_of_rough_surface_over_half_width} half-widths of the error bar; not "
+        "higher is {largest_excess_of_rough_surface_over_half_width:bound}."
+    ),
     where="2.4.1, 6, Fig. 6",
     quote="for the rough surface the impulse ratio was not higher",
     kind="virtual experiment",
@@ -581,6 +633,13 @@ def c72(context: Context) -> Numbers:
     (
         "Above 50° less energy is lost on the rough back of the silicon, which weaker adhesion "
         "there would explain."
+    ),
+    says=(
+        "The loss of the rough back less that of the smooth face is "
+        "{largest_difference_rough_less_smooth_with_half_adhesion_over_half_width} half-widths of "
+        "the error bar with half the adhesion and "
+        "{largest_difference_rough_less_smooth_with_slopes_alone_over_half_width} with slopes "
+        "alone, at the angle where it is largest."
     ),
     where="2.4.1, 6, Fig. 6",
     quote="adhesion dissipation is less significant for rough surface impact",
@@ -621,6 +680,10 @@ def c73(context: Context, *, angles_deg: tuple[AngleDegrees, ...]) -> Numbers:
         "On the mirror restitution is lower on the rough side, so that at steep incidence the "
         "energy loss is higher."
     ),
+    says=(
+        "On the rough side at least {least_difference_of_losses_rough_less_smooth:%} more of the "
+        "energy is lost, with both restitutions put in."
+    ),
     where="2.4.1, 7, Fig. 7",
     quote="the rough surface case exhibits higher losses at high incidence angles",
     kind="virtual experiment",
@@ -657,6 +720,12 @@ def c74(context: Context, *, angles_deg: tuple[AngleDegrees, ...]) -> Numbers:
     (
         "Restitution decreases slightly from the fastest to the slowest class, and with the angle "
         "most strongly in the slowest."
+    ),
+    says=(
+        "From [[speeds_m_per_s.0:.2f]] to [[speeds_m_per_s.2:.2f]] m/s restitution falls by "
+        "{fall_to_slowest_class}, where {fall_to_slowest_class:bound} is slight; the fall with "
+        "the angle is larger in the slowest class by "
+        "{fall_with_angle_of_slowest_less_fastest_class}."
     ),
     where="2.4.2, Fig. 8",
     quote=(
@@ -720,6 +789,10 @@ def mean_restitutions(
         "At 1.60 m/s restitution falls from 0.70 at 85° to 0.65 at 25° because the normal speed "
         "falls."
     ),
+    says=(
+        "From [[trend_deg.0:g]] to [[trend_deg.1:g]]° restitution falls by {fall_of_restitution}; "
+        "accepted is {fall_of_restitution:bound}."
+    ),
     where="2.4.2, Fig. 8",
     quote="The average value changed from 0.70 to 0.65",
     kind="virtual experiment",
@@ -751,6 +824,12 @@ def c76(
 @Claim(
     "C77",
     "The rolling region is narrower at 1.05 and 0.45 m/s than at 1.60 m/s.",
+    says=(
+        "The end of rolling shifts by {shift_of_rolling_limit_at_slowest} at "
+        "[[speeds_m_per_s.2:g]] m/s and by {shift_of_rolling_limit_at_middle} at "
+        "[[speeds_m_per_s.1:g]] m/s, from no spin to back spin; visibly narrower is "
+        "{shift_of_rolling_limit_at_slowest:bound}."
+    ),
     where="2.4.2, Fig. 9",
     quote="the region of increasing impulse ratio becomes narrower",
     article="inequality",
@@ -796,6 +875,10 @@ def c77(
 @Claim(
     "C78",
     "Initial spins bring the mean impulse ratio at 0.45 m/s to zero or below.",
+    says=(
+        "The least mean impulse ratio is {least_mean_impulse_ratio}, from spins of the sense of "
+        "rolling to spins of either sense; claimed is {least_mean_impulse_ratio:bound}."
+    ),
     where="2.4.2, Fig. 9",
     quote="the microspheres have a significant rotational velocity component prior to impact",
     kind="virtual experiment",
@@ -864,6 +947,11 @@ def c78(
 @Claim(
     "C79",
     ("The energy loss leaves its constant value near 60° at 1.05 m/s and near 80° at 0.45 m/s."),
+    says=(
+        "The loss leaves its constant value at {angle_of_departure_of_middle_class} in the middle "
+        "class and at {angle_of_departure_of_slow_class} in the slow one; accepted is "
+        "{angle_of_departure_of_middle_class:bound} and {angle_of_departure_of_slow_class:bound}."
+    ),
     where="2.4.2, Fig. 10",
     quote="the constant normalized energy loss region becomes narrower (60° to 85°)",
     kind="virtual experiment",
@@ -926,6 +1014,10 @@ def c79(
 @Claim(
     "C80",
     "With few exceptions the energy loss decreases as the angle becomes shallow.",
+    says=(
+        "The energy loss falls towards shallow angles in {share_of_falling_slopes:%} of the "
+        "impacts, by friction; almost always is {share_of_falling_slopes:bound %}."
+    ),
     where="2.4.2",
     quote="T_L almost always decreases for small incident angles",
     article="almost always",
@@ -958,6 +1050,11 @@ def c80(context: Context, *, friction_up_to: Fraction) -> Numbers:
     (
         "At 0.45 m/s the impulse ratio falls towards shallow angles, although adhesion should "
         "raise it at low normal speed."
+    ),
+    says=(
+        "At [[speed_m_per_s:g]] m/s the impulse ratio at [[angles_deg.0:g]]° less that at "
+        "[[angles_deg.1:g]]° is {difference_of_impulse_ratios}; a fall is "
+        "{difference_of_impulse_ratios:bound}."
     ),
     where="2.4.2, 3.1.4, Fig. 9",
     quote="the impulse ratio no longer is constant but decreases with decreasing incident angle",
@@ -1002,6 +1099,10 @@ def c106(
 @Claim(
     "C109",
     "Spin before the impact widens the error bar of the impulse ratio at an angle.",
+    says=(
+        "At [[angle_deg:g]]° the error bar is {interval_width_with_over_without_spin} times as "
+        "wide with spin as without."
+    ),
     where="2.4",
     quote="increased the uncertainty of the impulse ratio for a particular incidence angle",
     kind="virtual experiment",
@@ -1053,6 +1154,7 @@ def c109(
         "The impulse ratio of steel on silicon at 1.66 m/s stays constant down to about 10°, "
         "whereas Section 2.4.1 says that it rises from 15°."
     ),
+    says="The impulse ratio rises below {angle_of_rise}; accepted is {angle_of_rise:bound}.",
     where="2.4.3, 2.4.1, Figs. 6 and 11",
     quote="remains approximately constant from 50° to 10°",
     kind="contradiction",

@@ -22,6 +22,10 @@ from study.declared.parameters import AngleDegrees, Finite, Positive
         "The impulse ratio never exceeds the coefficient of friction, as 3.1.3 says and 3.1.4 "
         "denies where there is adhesion."
     ),
+    says=(
+        "The impulse ratio reaches {largest_impulse_ratio_over_friction} times the coefficient of "
+        "friction; accepted is {largest_impulse_ratio_over_friction:bound}."
+    ),
     where="3.1.3, 3.1.4",
     quote="the value of impulse ratio, μ, is bounded by the level of friction",
     kind="contradiction",
@@ -63,6 +67,11 @@ def c19(context: Context) -> Numbers:
     (
         "As the speed falls to the capture velocity, restitution goes to zero and the adhesion "
         "coefficient to one. Without adhesion, restitution goes to one as the speed goes to zero."
+    ),
+    says=(
+        "Just above capture restitution is {restitution_just_above_capture} and the adhesion "
+        "coefficient {adhesion_coefficient_just_above_capture}; without adhesion, restitution is "
+        "{restitution_without_adhesion} at [[rest_speed_m_per_s:g]] m/s."
     ),
     where="7, 3.1.3, Figs. 14 to 16",
     quote=(
@@ -109,6 +118,11 @@ def c21(context: Context, *, above_capture: Positive, rest_speed_m_per_s: Positi
         "At normal incidence an initial spin gives an impulse ratio with the sign of the spin, "
         "and no spin gives none."
     ),
+    says=(
+        "The signed impulse ratio is {signed_impulse_ratio_positive_spin} with a positive spin, "
+        "{signed_impulse_ratio_negative_spin} with a negative one and "
+        "{signed_impulse_ratio_no_spin} without spin."
+    ),
     where="3.1.4, Fig. 17",
     quote="will be above or below the abscissa, depending on the sign of ω",
     article="sign",
@@ -143,6 +157,11 @@ def c22(context: Context, *, spin_ratio: Finite) -> Numbers:
 @Claim(
     "C23",
     "At the shallowest angles the impulse ratio rises, but only if there is adhesion.",
+    says=(
+        "From the plateau to the shallowest rebound the impulse ratio rises by a factor of "
+        "{rise_to_shallowest_rebound_with_adhesion} with adhesion and of "
+        "{rise_to_shallowest_rebound_without_adhesion} without."
+    ),
     where="3.1.4, Fig. 18",
     quote="in the presence of adhesion, a frictional force and tangential impulse remain",
     article="rise with adhesion, none without",
@@ -182,6 +201,11 @@ def c23(context: Context, *, plateau_deg: AngleDegrees) -> Numbers:
 @Claim(
     "C91",
     "Initial spin explains the impulse ratios away from zero that were common at 90°.",
+    says=(
+        "A spin of {spin_over_speed_needed} v/r would explain the ratios, but so would a tilt of "
+        "{tilt_over_its_uncertainty} times the uncertainty of the angle; spin is identified if "
+        "that is {tilt_over_its_uncertainty:bound}."
+    ),
     where="3.1.4",
     quote="Such effects of initial angular velocities were common",
     article="not 0",
@@ -218,6 +242,12 @@ def c91(context: Context, *, angle_error_deg: Positive) -> Numbers:
 @Claim(
     "C92",
     ("The rise of the impulse ratio at shallow angles is caused by adhesion and not by slopes."),
+    says=(
+        "At equal normal speed the impulse ratios of the speeds differ by "
+        "{spread_over_speeds_at_equal_normal_speed_by_adhesion:%} if adhesion causes the rise, "
+        "and by {spread_over_speeds_at_equal_normal_speed_by_slopes:%} if slopes do; adhesion "
+        "gives a rise by a factor of {rise_at_shallowest_rebound_by_adhesion}."
+    ),
     where="3.1.4, Fig. 18",
     quote="attributable to the presence and significance of adhesion",
     kind="virtual experiment",
@@ -262,6 +292,11 @@ def c92(context: Context) -> Numbers:
         "The work of adhesion of the rigid body model equals the energy that the simulation loses "
         "to adhesion."
     ),
+    says=(
+        "The work of adhesion of the rigid body model is {least_ratio_of_works} of the simulated "
+        "loss at the least and {greatest_ratio_of_works} at the most; equal is "
+        "{least_ratio_of_works:bound} and {greatest_ratio_of_works:bound}."
+    ),
     where="3.1.3",
     quote="the energy loss due to the work done by the adhesion force during rebound",
     article="equal",
@@ -292,6 +327,11 @@ def c101(context: Context, *, speeds_m_per_s: tuple[Positive, ...]) -> Numbers:
 @Claim(
     "C102",
     "The loss in the materials is the same with and without adhesion.",
+    says=(
+        "The material loss with adhesion is {least_ratio_of_material_losses} of that without at "
+        "the least and {greatest_ratio_of_material_losses} at the most; equal is "
+        "{least_ratio_of_material_losses:bound} and {greatest_ratio_of_material_losses:bound}."
+    ),
     where="3.1.3",
     quote="is the energy lost due to dissipation in the sphere",
     article="equal",

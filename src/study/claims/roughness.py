@@ -39,6 +39,7 @@ FacingDegrees = Annotated[float, Field(gt=-90, lt=90)]
         "On a facet as steep as the nominal angle the measured restitution can exceed twice the "
         "true one."
     ),
+    says="The measured restitution is {measured_over_true_restitution} times the true one.",
     where="4.1.1",
     quote="Note that for φ ≈ α, e_m can exceed 2e.",
     article="more than 2",
@@ -65,6 +66,7 @@ def c45(
 @Claim(
     "C46",
     "The measured restitution on a slope can exceed two.",
+    says="The measured restitution is {measured_restitution}.",
     where="4.1.1",
     quote="measured values can exceed 1, or even 2",
     article="more than 2",
@@ -93,6 +95,10 @@ def c46(
     (
         "A slope that faces the particle raises the measured restitution and lowers the measured "
         "signed impulse ratio."
+    ),
+    says=(
+        "The slope changes the measured restitution by {change_of_restitution} and the signed "
+        "impulse ratio by {change_of_signed_impulse_ratio}."
     ),
     where="4.1.1",
     quote="a higher coefficient of restitution and give a negative bias to the impulse ratio",
@@ -125,6 +131,12 @@ def c47(context: Context, *, angle_deg: AngleDegrees, slope_deg: FacingDegrees) 
     (
         "At normal incidence without spin a slope lowers the measured restitution by 9/7 of its "
         "square."
+    ),
+    says=(
+        "The printed coefficient of the square is wrong by up to "
+        "{largest_relative_error_of_printed_coefficient:%}, the corrected one by "
+        "{largest_error_of_corrected_coefficient}; accepted is "
+        "{largest_relative_error_of_printed_coefficient:bound %}."
     ),
     where="4.1.2",
     quote="e_m ≈ e - 9φ²/7",
@@ -175,6 +187,11 @@ def on_slope(
 @Claim(
     "C51",
     ("Below 45° the relative restitution rises on the rough surface and falls on the smooth one."),
+    says=(
+        "From [[trend_deg.0:g]] to [[trend_deg.1:g]]° restitution of the rough surface rises by "
+        "{rise_on_rough_surface_over_half_width} half-widths of its error bar, and that of the "
+        "smooth one changes by {change_on_smooth_surface}."
+    ),
     where="4.2, Fig. 23",
     quote="the relative coefficient of restitution for the rough surface increases toward unity",
     kind="virtual experiment",
@@ -213,6 +230,12 @@ def c51(context: Context, *, dropped: Dropped, trend_deg: AngleRange) -> Numbers
 @Claim(
     "C52",
     ("The impulse ratio settles at about 0.15 on the smooth surface and never on the rough one."),
+    says=(
+        "At [[trend_deg.1:g]]° the impulse ratio of the smooth surface is "
+        "{impulse_ratio_of_smooth_surface}; on the rough one it rises by "
+        "{rise_on_rough_surface_over_half_width} half-widths from [[trend_deg.0:g]] to "
+        "[[trend_deg.1:g]]°."
+    ),
     where="4.2, Fig. 23",
     quote="Values of the impulse ratio for the rough case never become constant",
     kind="virtual experiment",
@@ -247,6 +270,10 @@ def c52(context: Context, *, dropped: Dropped, trend_deg: AngleRange) -> Numbers
 @Claim(
     "C60",
     "Roughness disturbs the measured coefficients at angles of about 10° and less.",
+    says=(
+        "Slopes bias restitution up to an angle of {largest_angle_with_bias_of_restitution}; "
+        "accepted is {largest_angle_with_bias_of_restitution:bound}."
+    ),
     where="6",
     quote="of the order of about 10° or less, surface roughness",
     kind="virtual experiment",
@@ -281,6 +308,10 @@ def c60(context: Context, *, dropped: Dropped) -> Numbers:
     (
         "The relative restitutions of the smooth and the rough surface agree from 90 to 45° and "
         "differ below."
+    ),
+    says=(
+        "Both surfaces differ by {largest_difference_at_steep_angles} at steep angles and by "
+        "{difference_at_shallow_angle} at [[differ_angle_deg:g]]°."
     ),
     where="4.2, Fig. 23",
     quote="the molecularly-smooth and rough surface cases are similar",
@@ -329,6 +360,11 @@ def departure(context: Context, sloped: Dropped, angle: float) -> float:
 @Claim(
     "C95",
     "Subtracting the value at 85° compensates for the difference of the materials.",
+    says=(
+        "After the subtraction the materials still differ by up to "
+        "{largest_residual_difference_of_relative_restitution}; compensated is "
+        "{largest_residual_difference_of_relative_restitution:bound}."
+    ),
     where="4.2, Fig. 23",
     quote="to compensate for initial differences due to the different material properties",
     article="compensated",
@@ -364,6 +400,11 @@ def c95(context: Context, *, case: CaseName, angles_deg: AngleRange) -> Numbers:
     (
         "The distributions of diameter and slope are enough to explain the departure from the "
         "smooth surface."
+    ),
+    says=(
+        "Slope and diameter explain {share_explained_by_pair:%} of the departure at "
+        "[[angles_deg.0:g]]° and {share_explained_by_pair_at_shallow_angle:%} at "
+        "[[angles_deg.1:g]]°."
     ),
     where="4.2",
     quote="can be attributed to surface roughness",

@@ -29,6 +29,10 @@ from study.samples import Dropped
         "Between 48 and 38° the normal speed of the spores is 1.10 to 0.91 m/s, both from one "
         "total speed."
     ),
+    says=(
+        "The total speeds that belong to the two printed normal speeds differ by "
+        "{difference_of_total_speeds}, about {total_speed}."
+    ),
     where="2.4.3, Fig. 11",
     quote="the normal incoming velocity component ranged from about 1.10 m/s to 0.91 m/s",
     article="1.10 at 48 deg, 0.91 at 38 deg",
@@ -53,6 +57,10 @@ def c17(context: Context, *, angles_deg: AngleRange) -> Numbers:
     (
         "From 90 to 55° restitution of spores and of steel on silicon is the same, so the "
         "materials matter little."
+    ),
+    says=(
+        "Spores and steel differ by {largest_difference_over_half_width} half-widths of the error "
+        "bar; equal is {largest_difference_over_half_width:bound}."
     ),
     where="2.4.3, Fig. 11",
     quote="appear to have little effect on the impact response in this region",
@@ -103,6 +111,11 @@ untestable(
     (
         "Slopes of the spore, repeated contacts or off-centre collisions raise the measured "
         "restitution below 38°."
+    ),
+    says=(
+        "The most effective mechanism raises restitution by {greatest_rise_over_half_width} "
+        "half-widths of its error bar from [[angles_deg.0:g]] to [[angles_deg.1:g]]°; a rise is "
+        "{greatest_rise_over_half_width:bound}."
     ),
     where="2.4.3, Fig. 11",
     quote=(
@@ -173,6 +186,12 @@ def trend(context: Context, mechanism: str, quantity: str, angles: tuple[float, 
         "The impulse ratio of the spores rises from 90 to 20° without a constant region and falls "
         "below 15°."
     ),
+    says=(
+        "The impulse ratio of the spores rises by {rise_over_half_width} half-widths of its error "
+        "bar from [[rise_deg.0:g]] to [[rise_deg.1:g]]° and by {later_rise_over_half_width} from "
+        "[[later_rise_deg.0:g]]° on; from [[fall_deg.0:g]] to [[fall_deg.1:g]]° it falls by "
+        "{fall_over_half_width}, where {fall_over_half_width:bound} is a fall."
+    ),
     where="2.4.3, Fig. 11",
     quote="There is no clear constant region.",
     kind="virtual experiment",
@@ -219,6 +238,11 @@ def c84(
 @Claim(
     "C85",
     "The energy losses of spores and steel hardly differ where their restitutions do.",
+    says=(
+        "Losses tell the particles apart {resolution_by_losses_over_that_by_restitutions} times "
+        "as well as restitutions do, from equal error bars to those of the virtual laboratory; "
+        "claimed is {resolution_by_losses_over_that_by_restitutions:bound}."
+    ),
     where="2.4.3, Fig. 11",
     quote="shows no substantial difference between these two cases",
     article="no clear difference",
@@ -255,6 +279,14 @@ def c85(context: Context) -> Numbers:
     (
         "On Formica the restitution of steel is significantly higher than that of spores, both "
         "rise as the angle falls, and that of steel exceeds one below 20°."
+    ),
+    says=(
+        "Restitution of steel exceeds that of spores by "
+        "{least_difference_steel_less_spore_over_half_width} half-widths of the error bar, where "
+        "{least_difference_steel_less_spore_over_half_width:bound} is significant; the smaller of "
+        "the rises is {lesser_rise_over_half_width} half-widths, and steel has "
+        "{measured_restitution_of_steel} at [[steel_deg.0:g]]° and "
+        "{measured_restitution_of_steel_below} at [[steel_deg.1:g]]°."
     ),
     where="2.4.4, Fig. 12",
     quote="are significantly higher than those for the spore case",
@@ -352,6 +384,12 @@ def compared(
         "On Formica steel and spores have nearly equal impulse ratios, and neither ratio becomes "
         "constant."
     ),
+    says=(
+        "The impulse ratios differ by up to "
+        "{largest_difference_of_impulse_ratios_over_half_width} half-widths of the error bar, "
+        "where {largest_difference_of_impulse_ratios_over_half_width:bound} is nearly equal, and "
+        "rise by {lesser_rise_over_half_width}."
+    ),
     where="2.4.4, Fig. 12",
     quote="The impulse ratio for these two cases is roughly the same.",
     kind="virtual experiment",
@@ -395,6 +433,12 @@ def c87(
     (
         "Below 45° the energy losses on Formica approach each other although the restitutions "
         "still differ."
+    ),
+    says=(
+        "From [[angles_deg.1:g]] to [[angles_deg.0:g]]° the losses approach each other by "
+        "{shrinking_of_difference_of_losses_over_half_width} half-widths of the error bar, while "
+        "restitutions still differ by {difference_of_restitutions_over_half_width}; each must be "
+        "{difference_of_restitutions_over_half_width:bound}."
     ),
     where="2.4.4, Fig. 12",
     quote="the difference of T_L between these two cases becomes smaller",
@@ -455,6 +499,10 @@ def differences(context: Context, quantity: str, angles: list[float]) -> list[Fl
     (
         "Since only rebounds are analysed, a rise of restitution at shallow angles does not "
         "exclude capture."
+    ),
+    says=(
+        "At [[trend_deg.1:g]]° {captured_share:%} of the particles are captured, although the "
+        "mean of the rebounds has risen by {rise_over_half_width} half-widths of its error bar."
     ),
     where="2.4.4",
     quote="does not necessarily mean that there was no capture in the experiments",

@@ -14,9 +14,10 @@ from importlib.util import find_spec
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
+from microimpact.core.computable import NotComputable
 from study import analyses
 from study.declared import documents
-from study.tables import Curves, Tables
+from study.tables import Curves, ResultTables, TableError, Tables
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
@@ -98,6 +99,32 @@ def stated(bears: Any, **numbers: float) -> Stated:
     return numbers if bears else None
 
 
+def borne(text: str, numbers: Callable[[], Stated]) -> str:
+    """Return a text with the numbers that it states; empty where the data do not bear them."""
+    try:
+        stated_numbers = numbers()
+    except (KeyError, TableError, NotComputable):
+        return ""
+    return "" if stated_numbers is None else text.format(**stated_numbers)
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """A sentence on the article's description of a figure, and its check on tables of a run.
+
+    `holds` returns the numbers for the ``{places}`` of the text, or None if the tables do not bear
+    it: the sentence is then not shown.
+    """
+
+    text: str
+    holds: Callable[[ResultTables], Stated]
+
+    def said(self, tables: ResultTables) -> str:
+        """Return the sentence with its numbers, empty if the tables do not bear it."""
+        text = borne(self.text, lambda: self.holds(tables))
+        return re.sub(r"(?<=\d)%", " %", re.sub(r"(?<!\S)-(?=\d)", "−", text))
+
+
 def _no_drawing(sheet: Sheet) -> None:
     raise NotImplementedError(f"{sheet.declared.name}: nothing draws it")
 
@@ -113,11 +140,12 @@ class Figure:
     the analysis that belong beside the figure, each with a sentence on what it holds. `finding` is
     the message, in one sentence; `holds` checks it on the curves of the figure and returns the
     numbers for its ``{places}``, see `checked`. `caption` says what is drawn, `method` how it was
-    computed. `as_shipped` and `contact` (the origin of the single contacts), at the end of the
-    method, hold for the shipped inputs alone. `panels` have a title each, by the name of their
-    data, and stand in rows of `columns`, all side by side if not given; `views` show the data of
-    another panel, enlarged. `evidence_labels` replace words of the key of evidence, as of what
-    another paper printed.
+    computed. `disagreement` and `agreement` are with what the article says of its figure.
+    `as_shipped` and `contact` (the origin of the single contacts), at the end of the method, hold
+    for the shipped inputs alone. `panels` have a title each, by the name of their data, and stand
+    in rows of `columns`, all side by side if not given; `views` show the data of another panel,
+    enlarged. `evidence_labels` replace words of the key of evidence, as of what another paper
+    printed.
     """
 
     name: str
@@ -131,6 +159,8 @@ class Figure:
     finding: str = ""
     holds: Callable[[Curves], Stated] | None = None
     method: str = ""
+    disagreement: tuple[Remark, ...] = ()
+    agreement: tuple[Remark, ...] = ()
     as_shipped: str = ""
     contact: str = ""
     tables: Mapping[str, str] = field(default_factory=dict)
@@ -198,11 +228,16 @@ class Figure:
         The finding goes if nothing checks it, if the data do not bear it, or if they lack a curve
         or a point that it is about.
         """
-        try:
-            numbers = self.holds(Curves(tables)) if self.holds else None
-        except KeyError:
-            numbers = None
-        return replace(self, finding="" if numbers is None else self.finding.format(**numbers))
+        holds, curves = self.holds, Curves(tables)
+        finding = borne(self.finding, lambda: holds(curves)) if holds else ""
+        return replace(self, finding=finding)
+
+    def compared(self, tables: ResultTables) -> tuple[list[str], list[str]]:
+        """Return where the figure disagrees with the article, and where it agrees."""
+        parts = self.disagreement, self.agreement
+        said = ([remark.said(tables) for remark in part] for part in parts)
+        disagreement, agreement = (list(filter(None, each)) for each in said)
+        return disagreement, agreement
 
     def with_texts(self, texts: Mapping[str, Any]) -> Figure:
         """Return the figure with other texts, as `entry` has them."""

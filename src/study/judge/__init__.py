@@ -14,7 +14,7 @@ import numpy as np
 from microimpact.core.materials import declared_file
 from study.claims.claim import Claim
 from study.judge.changed import Changed, with_inputs
-from study.judge.criteria import declared_claims
+from study.judge.criteria import UNDECIDED, declared_claims
 from study.judge.independent import agreements, independent
 from study.judge.judging import (
     RESULT_COLUMNS,
@@ -25,7 +25,7 @@ from study.judge.judging import (
     verdict,
 )
 from study.judge.shares import GROUPS, Share, shares
-from study.judge.words import bounds, computed_values, fails, sentence
+from study.judge.words import bounds, computed_values, outcome
 from study.tables import NOT_COMPUTED, NotComputedError, Row
 
 # Loaded where a ledger is judged: the pages, which read it as text, do without.
@@ -34,8 +34,17 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     *("id", "where", "quote", "statement", "kind", "criterion", "article_value"),
-    *("computed_value", "unit", "verdict", "margin", "shares", "decided_by", "independent"),
-    *("evidence", "figures", "code", "inputs", "changed_inputs", "reason", "note"),
+    *(
+        "sentence",
+        "computed_value",
+        "unit",
+        "verdict",
+        "margin",
+        "shares",
+        "decided_by",
+        "independent",
+    ),
+    *("evidence", "figures", "code", "inputs", "changed_inputs", "reason"),
 )
 SHARE_COLUMNS = ("id", *GROUPS, "share", "low", "high", "effective_size")
 
@@ -173,24 +182,27 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
     lacking = numbers[numbers["problem"] != ""]
     labels = claim.labels
     rows = results(computed, claim.tests, labels, claim.units)
-    failed = [sentence(row) for row in rows if fails(row)]
+    because = ""
     if not claim.testable:
         decision, margin = "not testable", math.nan
     elif len(lacking):
         decision, margin = NOT_COMPUTED, math.nan
-        failed = [
+        because = "; ".join(
             f"{case}: {problem}" if case else str(problem)
             for case, problem in zip(lacking["case"], lacking["problem"], strict=True)
-        ]
+        )
     else:
         decision, margin = _decision(claim, computed)
         if share:
             decision = judged(claim.if_met, share.intervals)
-            by = f", decided by {share.decided_by}" if share.decided_by else ""
-            failed = [f"Holds for {share.in_words()}, of the drawn contacts{by}", *failed]
     if claim.assumed and decision == "not reproduced":
         decision = "not identified"
-        failed = [f"With inputs that are assumed, {claim.assumed}", *failed]
+        because = f"Inputs that decide are assumed: {claim.assumed}."
+    if decision == UNDECIDED:
+        because = "The sampling error covers what would decide."
+    decided_by = share.decided_by if share else claim.assumed
+    percents = [100.0 * met / drawn for met, drawn in share.counts.values()] if share else []
+    said = "" if len(lacking) else outcome(claim.says, rows, percents, decided_by)
     row = {
         "id": claim.id,
         "where": claim.where,
@@ -199,11 +211,12 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         "kind": claim.kind,
         "criterion": "; ".join(f"{labels[n]} {bounds(c.row)}" for n, c in claim.criteria.items()),
         "article_value": claim.article,
+        "sentence": " ".join(filter(None, [said, because])) or claim.reason,
         "computed_value": computed_values(rows),
         "unit": claim.unit,
         "verdict": decision,
         "shares": share.in_words() if share else "",
-        "decided_by": share.decided_by if share else claim.assumed,
+        "decided_by": decided_by,
         "independent": "",
         "margin": margin,
         "evidence": claim.evidence,
@@ -212,7 +225,6 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         "inputs": " ".join(sorted({name for text in numbers["inputs"] for name in text.split()})),
         "changed_inputs": "",
         "reason": claim.reason,
-        "note": "; ".join(failed) or claim.reason,
     }
     return row, [{"id": claim.id, **row} for row in rows]
 

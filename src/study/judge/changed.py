@@ -67,7 +67,8 @@ def with_inputs(row: Mapping[str, Any] | pd.Series[Any], changed: Changed) -> di
     row = {**row, "changed_inputs": "; ".join(sorted({*places.values()}))}
     if another and row["verdict"] != "not testable":
         note = f"Of another impact than the article's: {', '.join(sorted(another))}."
-        row |= {"verdict": OF_ANOTHER, "margin": None, "shares": "", "decided_by": "", "note": note}
+        row |= {"verdict": OF_ANOTHER, "margin": None, "shares": "", "decided_by": ""}
+        row["sentence"] = note
     return row
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
@@ -18,6 +18,9 @@ DIGITS = 3
 MOST_DIGITS = 6
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+# Units in which a sentence tells a number, by those after its name: factor and words.
+SCALES = {"%": (100.0, "%"), "mm": (1e3, "mm")}
 
 # Columns of contacts that meet a fact found by others, and that do not.
 SIDES = {"yes": "agreeing", "no": "disagreeing"}
@@ -56,9 +59,7 @@ def readable(value: float, unit: str = "-", rounding: float = 0.0, *, digits: in
         mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
         power = str(int(exponent)).translate(_SUPERSCRIPTS)
         text = f"{mantissa.replace('-', '−')} × 10{power}"
-    if unit in {"-", "1", ""}:
-        return text
-    return f"{text}°" if unit == "deg" else f"{text} {unit.replace('**', '^')}"
+    return in_unit(text, unit)
 
 
 def in_words(quantity: str) -> str:
@@ -68,12 +69,12 @@ def in_words(quantity: str) -> str:
     return re.sub(r"(?<=\d) deg\b", "°", re.sub(r"(?<=\d) um\b", " µm", spoken))
 
 
-def drawn_share(shares: Iterable[Row], decided_by: str) -> str:
+def drawn_share(percents: Iterable[float], decided_by: str) -> str:
     """Return in a sentence for how many of the drawn contacts a claim holds, over its scenarios.
 
-    `shares`: its rows of ``claim_shares``; `decided_by`: its column of ``claims``.
+    `decided_by`: its column of ``claims``.
     """
-    percents = [100.0 * float(row["share"]) for row in shares]
+    percents = list(percents)
     ends = dict.fromkeys(f"{end:.0f}" for end in (min(percents), max(percents)))
     by = decided_by.partition(" (")[0]
     on = f", depending on the {by}" if by else ""
@@ -113,16 +114,81 @@ def number(result: Row) -> str:
     return readable(float(result["value"]), result["unit"], ROUNDING, digits=DIGITS + fails(result))
 
 
-def sentence(result: Row) -> str:
-    """Return a result in words: its number, where it holds, and the bound it fails."""
-    case = f" ({result['case']})" if result["case"] else ""
-    required = f" (required: {bounds(result)})" if fails(result) else ""
-    return f"{result['label']}{case} = {number(result)}{required}"
+class Place:
+    """The numbers of one quantity, over the cases, as a place in the sentence of a claim.
+
+    ``{name}`` is the number, or its range, with the unit; ``{name:bound}`` the test. After the
+    name or ``bound`` may stand another unit, one of `SCALES`.
+    """
+
+    def __init__(self, results: Sequence[Row]) -> None:
+        self.results = results
+
+    def __format__(self, spec: str) -> str:
+        """Return the range of the numbers, or the test, in words."""
+        suffix = spec.removeprefix("bound").strip()
+        scale, unit = SCALES[suffix] if suffix else (1.0, self.results[0]["unit"])
+        if spec.startswith("bound"):
+            test = dict(self.results[0])
+            test |= {end: _rounded(scale, test[end]) for end in ("low", "high") if test[end] != ""}
+            return in_unit(bounds(test).replace("-", "−"), unit)
+        values = [scale * float(row["value"]) for row in self.results]
+        low, high = (readable(end, rounding=ROUNDING) for end in (min(values), max(values)))
+        return in_unit(low if low == high else f"{low} to {high}", unit)
 
 
-def computed_values(results: Iterable[Row]) -> str:
-    """Return all numbers of a claim in words."""
-    return "; ".join(dict.fromkeys(sentence({**row, "passed": None}) for row in results))
+def _rounded(scale: float, bound: str | float) -> float:
+    return float(f"{scale * float(bound):.{DIGITS + 1}g}")
+
+
+def in_unit(text: str, unit: str) -> str:
+    """Return numbers in words with their unit."""
+    if unit in {"-", "1", ""}:
+        return text
+    return f"{text}°" if unit == "deg" else f"{text} {unit.replace('**', '^')}"
+
+
+def outcome(says: str, results: Sequence[Row], percents: Sequence[float], decided_by: str) -> str:
+    """Return the outcome of a claim in words; empty without a number that is tested.
+
+    Parameters
+    ----------
+    says
+        Sentence of the claim, with a `Place` for each number; without one it is the number nearest
+        to failing.
+    results
+        Rows of the claim in ``claim_results``.
+    percents
+        Shares of the drawn contacts for which it holds, if they decide, and what decides between
+        them. The numbers are then of the calibrated contacts.
+    """
+    tested = sorted((row for row in results if bounds(row)), key=lambda row: not fails(row))
+    if not tested:
+        return ""
+    if says:
+        by_name: dict[str, list[Row]] = {}
+        for row in results:
+            by_name.setdefault(row["quantity"], []).append(row)
+        said = says.format_map({name: Place(rows) for name, rows in by_name.items()})
+    else:
+        least = tested[0]
+        case = f" for {least['case']}" if least["case"] else ""
+        said = f"{least['label']} is {number(least)}{case} (required: {bounds(least)})."
+    if percents:
+        said = f"With the calibrated contacts, {said[:1].lower()}{said[1:]}"
+        return f"{drawn_share(percents, decided_by)} {said}"
+    return f"{said[:1].upper()}{said[1:]}"
+
+
+def computed_values(results: Sequence[Row]) -> str:
+    """Return all numbers of a claim in words, with their cases."""
+    cases = [f" ({row['case']})" if row["case"] else "" for row in results]
+    return "; ".join(
+        dict.fromkeys(
+            f"{row['label']}{case} = {readable(float(row['value']), row['unit'], ROUNDING)}"
+            for row, case in zip(results, cases, strict=True)
+        )
+    )
 
 
 def quantities(results: Iterable[Row]) -> list[Quantity]:

@@ -9,27 +9,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import jinja2
-import numpy as np
-import pandas as pd
 import yaml
 
 from microimpact.core.files import write_file
-from microimpact.core.nearest import nearest
 from study.figures.declaration import all_figures
 from study.judge import amendments, counts
 from study.judge.criteria import declared_claims
-from study.judge.words import agreement, drawn_share, quantities, readable, with_unit
+from study.judge.words import agreement, readable, with_unit
 from study.report.site.figures import label
 from study.report.site.ledgers import by_claim, read_rows
 from study.report.site.pages import render
 from study.report.site.record import read_record
+from study.tables import ResultTables, TableError
 
 DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
 # Tables of the page of deviations and of the counts in the README.
-LEDGERS = ("claims", "equations", "claim_evidence", "claim_results", "claim_shares")
+LEDGERS = ("claims", "equations", "claim_evidence", "claim_results")
 CODECHECK = "../codecheck.yml"
 README = {"readme.md": "../README.md"}
 ABOUT = "<!-- Made by `make pages` from {template} and tables of a full run; do not edit. -->\n\n"
@@ -56,52 +53,6 @@ _ENVIRONMENT = jinja2.Environment(
 _ENVIRONMENT.filters |= {"fixed": _fixed, "percent": _percent}
 
 
-class Numbers:
-    """One table as a template reads it: `table(column, **where)` is the only such number.
-
-    `name`: of the table, for messages; `rows`: its rows.
-    """
-
-    def __init__(self, name: str, rows: pd.DataFrame) -> None:
-        self.name, self.rows = name, rows
-
-    def __call__(self, column: str, **where: Any) -> float:
-        """Return the number of a column in the one row that meets all conditions.
-
-        Raises PageError if there is no such column, or not exactly one such row with a number.
-        """
-        numbers = self.all(column, **where)
-        if len(numbers) != 1:
-            raise PageError(f"{self.name}.{column}: {len(numbers)} numbers at {where}, not one")
-        return numbers[0]
-
-    def all(self, column: str, **where: Any) -> list[float]:
-        """Return all numbers of a column in rows that meet all conditions.
-
-        A condition is a value, or the pair of ends between which a number must lie.
-
-        Raises PageError if there is no such column or no such number.
-        """
-        chosen = np.ones(len(self.rows), bool)
-        for key, value in where.items():
-            cells = self._column(key)
-            if isinstance(value, tuple):
-                chosen &= cells.between(*value).to_numpy()
-            elif isinstance(value, str):
-                chosen &= (cells == value).to_numpy()
-            else:
-                chosen &= np.isclose(cells.to_numpy(float), value)
-        numbers = self._column(column)[chosen].dropna().astype(float).to_list()
-        if not numbers:
-            raise PageError(f"{self.name}.{column}: no number at {where}")
-        return numbers
-
-    def _column(self, name: str) -> pd.Series:
-        if name not in self.rows:
-            raise PageError(f"{self.name}: no column {name!r}{nearest(name, self.rows.columns)}")
-        return self.rows[name]
-
-
 def pages(results: Path, docs: Path) -> tuple[dict[str, str], tuple[str, ...]]:
     """Return the text of each page by its name, and the names of the tables read.
 
@@ -117,16 +68,7 @@ def pages(results: Path, docs: Path) -> tuple[dict[str, str], tuple[str, ...]]:
     PageError
         If a table, column or row is missing.
     """
-    read: dict[str, Numbers] = {}
-
-    def table(name: str) -> Numbers:
-        if name not in read:
-            path = results / f"tables/{name}.csv"
-            if not path.is_file():
-                raise PageError(f"{path}: no such table")
-            read[name] = Numbers(name, pd.read_csv(path))
-        return read[name]
-
+    table = ResultTables(results)
     environment = _ENVIRONMENT.overlay()
     ledgers = {name: read_rows(results / f"tables/{name}.csv") for name in ("claims", "equations")}
     environment.globals = {
@@ -145,11 +87,14 @@ def pages(results: Path, docs: Path) -> tuple[dict[str, str], tuple[str, ...]]:
         text = template.read_text(encoding="utf-8")
         try:
             body = environment.from_string(text).render()
-        except (PageError, jinja2.TemplateError) as error:
+        except (TableError, jinja2.TemplateError) as error:
             raise PageError(f"{template}: {error}") from None
         name = template.name.removesuffix(SUFFIX)
         texts[README.get(name, name)] = ABOUT.format(template=template.name) + body
-    return texts, tuple(sorted({*LEDGERS, *read}))
+    # The pages of figures read these, and a test has them say all of it.
+    for figure in all_figures().values():
+        figure.compared(table)
+    return texts, tuple(sorted({*LEDGERS, *table.read}))
 
 
 def codecheck(figures: Iterable[str]) -> str:
@@ -188,11 +133,10 @@ def deviations(results: Path) -> str:
     ValueError
         If the table and the file do not hold the same claims.
     """
-    tables = {name: read_rows(results / f"tables/{name}.csv") for name in LEDGERS}
-    equations = tables["equations"]
-    claims = tables["claims"]
-    parts = (by_claim(tables[name]) for name in LEDGERS[2:])
-    evidence, numbers, shares = parts
+    claims, equations, facts = (
+        read_rows(results / f"tables/{name}.csv")
+        for name in ("claims", "equations", "claim_evidence")
+    )
     declared = declared_claims()
     if strangers := {row["id"] for row in claims} ^ set(declared):
         raise ValueError(
@@ -207,12 +151,8 @@ def deviations(results: Path) -> str:
         claims=claims,
         declared=declared,
         amendments=amendments(),
-        evidence=evidence,
-        results=numbers,
+        evidence=by_claim(facts),
         agreement=agreement,
-        shares=shares,
-        drawn_share=drawn_share,
-        quantities=quantities,
         readable=readable,
         with_unit=with_unit,
     )

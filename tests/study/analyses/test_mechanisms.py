@@ -186,7 +186,7 @@ def test_limit_of_rolling(contact):
 
 
 def test_slopes_let_capture_appear_at_a_lower_normal_speed_at_shallow_angles(contact):
-    """A finding of docs/experiments.md: without slopes capture knows the normal speed alone."""
+    """Said below Fig. 8: without slopes capture knows the normal speed alone."""
     spheres, limit = 500, float(capture_velocity(contact))
 
     def captured(slope_sd, angle):
@@ -203,7 +203,7 @@ def test_slopes_let_capture_appear_at_a_lower_normal_speed_at_shallow_angles(con
 
 
 def test_no_spin_both_narrows_the_rolling_region_and_ends_friction(contact):
-    """A finding of docs/experiments.md, on Fig. 9."""
+    """Said below Fig. 9."""
     slow, spins = 0.45, np.linspace(-1.0, 1.0, 41)
     wide = rolling_limit(contact, 1.6, 0.0)
     narrower = np.array([rolling_limit(contact, slow, spin) for spin in spins]) >= wide + 5.0

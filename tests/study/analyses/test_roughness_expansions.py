@@ -10,7 +10,6 @@ from study.analyses.roughness_expansions.compute import (
     EQUATIONS,
     FORMS,
     SlopedImpacts,
-    angle_range,
     slope_range,
 )
 
@@ -67,15 +66,9 @@ def test_ends_of_ranges_are_where_the_error_is_one_per_cent():
         assert EQUATIONS["37"].error(impacts(10.0, end), "printed") == pytest.approx(0.01, rel=1e-6)
 
 
-def test_equation_38_ends_where_the_sphere_begins_to_roll():
-    _, high = angle_range(EQUATIONS["38"], "corrected", impacts(90.0, 2.0), 0.01)
-    local = np.degrees(np.arctan(2 / (7 * 0.15 * 1.7)))
-    assert high == pytest.approx(local - 2.0, abs=0.5)
-
-
 def test_the_figure_holds_every_panel_with_its_ranges(run_study):
     table = run_study("roughness_expansions")["roughness"]
     series = table.groupby("panel")["series"].unique()
-    assert len(series) == 6
+    assert len(series) == 3
     for panel in series:
         assert {"exact", "printed", "corrected", "range corrected"} <= set(panel)

@@ -195,7 +195,7 @@ def test_slow_impacts_leave_claims_not_computed_and_the_others_alone(
     assert (ledger["verdict"] == NOT_COMPUTED).to_dict() == {
         name: name in problems.index for name in ledger.index
     }
-    assert ledger["note"]["C10"].startswith(f"{STEEL[0]}: {problems['C10']}")
+    assert ledger["sentence"]["C10"].startswith(f"{STEEL[0]}: {problems['C10']}")
     # what rests on no speed is as it was
     same = again(table[table["claim"] == "C01"])
     pd.testing.assert_frame_equal(same, numbers[numbers["claim"] == "C01"], check_exact=True)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from tests.shared import ROOT
 from tests.study.figures.test_pictures import SPECS, data_of
 
 from study.figures.declaration import Figure, stated
+from study.tables import Numbers, ResultTables
 
 # The small run of the references has no events at the shallow angles that these are about.
 OF_SHALLOW_ANGLES = {"fig06", "fig07", "fig11", "fig12", "causes"}
@@ -16,6 +18,33 @@ OF_ABSCISSAE = {"fig24_25_doe", "calibration", "campaign", "inference", "roughne
 # All ordinates; in another unit than one, above what the sentence calls few.
 FLAT = {"coverage_of_means": 100.0, "capture_by_size": 1e4}
 CHECKED = [name for name, figure in SPECS.items() if figure.holds]
+
+
+COMPARED = [name for name, figure in SPECS.items() if figure.disagreement + figure.agreement]
+FULL_RUN = ROOT / "tests/reference/full"
+
+
+# Columns that say which experiment a row is of, and those of one table alone.
+KEYS = {"angle_deg", "nominal_speed_m_per_s", "probe_height_mm", "slope_sd", "spin_mean"}
+KEYS |= {"target_radius_mm", "slope_deg", "share"}
+KEYS_OF = {"surface_correction": {"speed_m_per_s", "restitution"}}
+
+
+class FlatTables(ResultTables):
+    """Tables of a run in which nothing depends on anything."""
+
+    def __call__(self, name):
+        """Return a table in which all results are the same."""
+        rows = super().__call__(name).rows
+        results = {*rows.select_dtypes("number")} - KEYS - KEYS_OF.get(name, set())
+        return Numbers(name, rows.assign(**{column: flat_value(column) for column in results}))
+
+
+def flat_value(column):
+    """Return a number that is a restitution of 0.55 everywhere, or follows from it."""
+    if "difference" in column:
+        return 0.0
+    return 1.0 - 0.55**2 if "loss" in column else 0.55
 
 
 def tables_of(figure):
@@ -72,3 +101,17 @@ def test_a_finding_without_a_check_or_without_its_curve_is_not_shown():
     absent = replace(figure, holds=lambda y: stated(y("none").any()))
     assert absent.checked({}).finding == ""
     assert replace(figure, holds=lambda _: stated(True)).checked({}).finding == "Said."
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_a_full_run_bears_every_remark_on_the_article_and_a_flat_one_none(name):
+    figure = SPECS[name]
+    disagreement, agreement = figure.compared(ResultTables(FULL_RUN))
+    assert len(disagreement) == len(figure.disagreement)
+    assert len(agreement) == len(figure.agreement)
+    assert not any("{" in remark for remark in disagreement + agreement)
+    assert figure.compared(FlatTables(FULL_RUN)) == ([], [])
+
+
+def test_a_run_without_the_tables_bears_no_remark(tmp_path):
+    assert SPECS["fig06"].compared(ResultTables(tmp_path)) == ([], [])

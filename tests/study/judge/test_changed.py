@@ -21,7 +21,7 @@ def marked(settings):
     def row(claim, overlay):
         used = validate(merged(shipped(), overlay), shipped())
         changed = changed_inputs(used, settings)
-        return with_inputs({"verdict": "reproduced", "note": "", **claim}, changed)
+        return with_inputs({"verdict": "reproduced", "sentence": "", **claim}, changed)
 
     return row
 
@@ -40,7 +40,7 @@ def marked(settings):
 def test_a_claim_computed_for_another_impact_has_no_verdict(marked, overlay, key):
     row = marked(FORCES, overlay)
     assert row["verdict"] == OF_ANOTHER
-    assert key in row["note"]
+    assert key in row["sentence"]
     assert key in row["changed_inputs"]
     assert marked(PAIRS, overlay)["verdict"] == "reproduced"
 

@@ -8,7 +8,7 @@ import pytest
 
 from study.claims.claim import NUMBER_COLUMNS, Claim, Number
 from study.judge import COLUMNS, LedgerError, judge, verdicts
-from study.judge.criteria import ClaimsError
+from study.judge.criteria import ClaimsError, declared_claims
 from study.judge.independent import AGREES, DISAGREES, SPLIT, agreements, independent
 from study.judge.judging import RESULT_COLUMNS
 from study.judge.words import agreement
@@ -104,8 +104,51 @@ def test_a_result_tells_number_bound_and_whether_it_passed():
     assert (e["low"], e["high"]) == (0.65, 0.75)
     assert (v["test"], v["unit"], v["passed"]) == ("", "m/s", None)
     assert (row["code"], row["inputs"]) == ("study.c", "t u")
-    assert row["note"] == "e = 0.8 (required: 0.7 ± 0.05)"
-    assert ledger_of(GOOD)[0]["note"] == "because"
+    assert row["sentence"] == "E is 0.8 (required: 0.7 ± 0.05)."
+
+
+SAYS = "restitution is {e}, and {e:bound} is accepted; the speed is {v}."
+
+
+@pytest.mark.parametrize(
+    ("rows", "changes", "sentence"),
+    [
+        (GOOD, {}, "Restitution is 0.72, and 0.7 ± 0.05 is accepted; the speed is 1 m/s."),
+        (
+            cases(0.7, 0.1),
+            TWO,
+            "Restitution is 0.1 to 0.7, and 0.7 ± 0.05 is accepted; the speed is 1 m/s.",
+        ),
+        (
+            cases(0.731, error=0.01),
+            {"says": "Of the speed {e:%} is left; {e:bound %} is accepted."},
+            "Of the speed 73.1 % is left; 70 ± 5 % is accepted."
+            " The sampling error covers what would decide.",
+        ),
+        (
+            cases(0.1),
+            {"assumed": "the friction"},
+            "Restitution is 0.1, and 0.7 ± 0.05 is accepted; the speed is 1 m/s."
+            " Inputs that decide are assumed: the friction.",
+        ),
+    ],
+)
+def test_a_sentence_tells_the_number_that_is_judged_its_bound_and_why_it_is_open(
+    rows, changes, sentence
+):
+    row, _ = ledger_of(rows, **{"says": SAYS} | changes)
+    assert row["sentence"] == sentence
+
+
+@pytest.mark.parametrize("says", ["The speed is {v}.", "Restitution is {e}, and {w}."])
+def test_a_sentence_that_leaves_out_the_number_that_is_judged_is_refused(says):
+    with pytest.raises(ValueError, match=r"C01.*must tell all of e"):
+        claim(says=says)
+
+
+def test_every_claim_with_numbers_has_a_sentence():
+    claims = declared_claims().values()
+    assert [each.id for each in claims if each.testable and not each.says] == []
 
 
 @pytest.mark.parametrize(
@@ -130,7 +173,7 @@ def test_a_claim_that_could_not_be_computed_says_why_and_leaves_the_others_alone
     table = pd.concat([whole, pd.DataFrame([lacking], columns=NUMBER_COLUMNS), second])
     ledger, _ = verdicts({"C01": claim(**TWO), "C02": claim("C02")}, table)
     assert list(ledger["verdict"]) == ["not computed", "reproduced"]
-    assert ledger["note"][0] == "b: No plateau"
+    assert ledger["sentence"][0] == "b: No plateau"
     assert ledger["computed_value"][0] == "e (a) = 0.7; v (a) = 1 m/s"
 
 

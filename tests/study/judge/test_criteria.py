@@ -156,7 +156,7 @@ def test_numbers_that_identify_stand_before_the_criteria():
         "e": Number(at_most=1.0),
         "v": Number(at_least=1, identifies=True),
     }
-    claim = dataclasses.replace(DECLARED["C01"], numbers=numbers)
+    claim = dataclasses.replace(DECLARED["C01"], numbers=numbers, says="")
     assert list(claim.tests) == ["v", "e"]
     assert list(claim.criteria) == ["e"]
     assert list(claim.identified_if) == ["v"]

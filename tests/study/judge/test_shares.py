@@ -128,7 +128,9 @@ def test_the_share_decides_in_the_ledger_and_the_cases_are_examples():
     assert row["verdict"] == "not identified"
     assert row["shares"] == "40 % (31 to 50) with"
     assert row["decided_by"] == "friction (0.90)"
-    assert row["note"].startswith("Holds for 40 % (31 to 50) with, of the drawn contacts")
+    assert row["sentence"].startswith(
+        "Holds for 40 % of the drawn contacts, depending on the friction. With the calibrated"
+    )
 
 
 def test_the_ledger_has_a_row_per_scenario(one):

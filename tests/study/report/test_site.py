@@ -20,7 +20,14 @@ from study.report.check.results import ResultsError
 from study.report.commands import commands
 from study.report.site import PAGES
 from study.report.site.build import site_pages, write_site
-from study.report.site.figures import departures, joined, studies_behind, upstream
+from study.report.site.figures import (
+    OTHER,
+    SUBJECTS,
+    departures,
+    joined,
+    studies_behind,
+    upstream,
+)
 from study.report.site.glossary import definitions, marked
 from study.report.site.record import (
     Change,
@@ -54,6 +61,27 @@ def test_every_figure_has_a_page_and_every_link_and_anchor_leads_somewhere(site,
             if parts.fragment:
                 other = pages[target.resolve().relative_to(site.resolve()).as_posix()]
                 assert parts.fragment in other.ids, f"{name}: {link}"
+
+
+def test_pages_group_figures_and_tables_by_what_they_are_about(site, pages, entries):
+    named = [name for names in SUBJECTS.values() for name in names]
+    assert sorted(named) == sorted({entry["analysis"] for entry in entries.values()})
+    for page in ("figures.html", "tables.html"):
+        text = (site / page).read_text(encoding="utf-8")
+        heads = [text.index(f">{subject}</h2>") for subject in SUBJECTS]
+        assert heads == sorted(heads)
+        assert OTHER not in text
+    text = (site / "tables.html").read_text(encoding="utf-8")
+    assert text.index("claims.csv") < text.index(">Capture velocity</h2>")
+
+
+def test_a_figure_of_the_article_begins_with_where_it_disagrees(site):
+    text = (site / "figures/fig06.html").read_text(encoding="utf-8")
+    disagreement, agreement, open_ = (
+        text.index(f">{words}</h2>") for words in ("Disagreement", "Agreement", "Not decided")
+    )
+    assert disagreement < text.index("Slopes alone lower restitution") < agreement < open_
+    assert disagreement < text.index("claims.html#C72") < agreement
 
 
 def test_the_ledger_of_claims_in_one_file_keeps_its_schema(site, results):

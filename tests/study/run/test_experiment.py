@@ -40,12 +40,12 @@ def test_figures_of_the_articles_pairs_keep_their_words(latex, name):
 
 @pytest.mark.parametrize("table", ["pairing_quality", "rolling_dissipation", "force_ratios"])
 def test_claims_of_these_analyses_are_not_of_this_experiment(latex, table):
-    row = {"id": "C01", "inputs": table, "verdict": "reproduced", "note": ""}
+    row = {"id": "C01", "inputs": table, "verdict": "reproduced", "sentence": ""}
     assert with_inputs(row, latex[1])["verdict"] == OF_ANOTHER
 
 
 def test_claims_of_the_articles_pairs_stay(latex):
-    row = {"id": "C01", "inputs": "surface_pairs", "verdict": "reproduced", "note": ""}
+    row = {"id": "C01", "inputs": "surface_pairs", "verdict": "reproduced", "sentence": ""}
     assert with_inputs(row, latex[1])["verdict"] == "reproduced"
 
 
@@ -60,7 +60,7 @@ def test_claims_of_the_articles_pairs_stay(latex):
 def test_another_size_of_fluorescein_leaves_the_claims_on_steel(tables, verdict):
     overlay = {"particles": {"fluorescein": {"mean_diameter_um": 2.58}}}
     settings = validate(merged(shipped(), overlay), shipped())
-    row = {"id": "C01", "inputs": tables, "verdict": "reproduced", "note": ""}
+    row = {"id": "C01", "inputs": tables, "verdict": "reproduced", "sentence": ""}
     marked = with_inputs(row, changed_inputs(settings, settings_as_shipped()))
     assert marked["verdict"] == verdict
     assert "particles.fluorescein.mean_diameter_um" in marked["changed_inputs"]

@@ -111,9 +111,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     sizes = [mean(population.diameter_um) for population in populations]
     printed = pd.concat([printed_beside(inputs, *pair, diameter_um=size) for size in sizes])
     series = sieves_drawn(params, params.case, curves)
-    spheres = spheres_drawn(params, contacts[params.case], next(iter(curves.values())).speed)
     second = sieves_drawn(params, params.other_case, curves, ", other end")
-    drawn = {**series, **(second if params.other_case != params.case else {}), **spheres}
+    drawn = {**series, **(second if params.other_case != params.case else {})}
     return {
         "fig04": figure_data(params, "restitution", table, drawn, printed),
         "fig05": figure_data(params, "energy_loss", table, series, printed, lambda e: 1.0 - e**2),
@@ -194,16 +193,6 @@ def sieves_drawn(
         curve = curves[case, name]
         shown = curve.captured < HIDDEN_SHARE
         drawn[f"{name} sieve{end}"] = curve.speed[shown], curve.rebounding[shown]
-    return drawn
-
-
-def spheres_drawn(params: Params, contact: Contact, speed: FloatArray) -> dict[str, Drawn]:
-    """Return the restitution of the mean sphere of both classes where it rebounds."""
-    drawn = {}
-    for name, population in params.populations.items():
-        sphere = resized(contact, mean(population.diameter_um) * 1e-6)
-        e = normal_impact(sphere, speed).coefficient_of_restitution
-        drawn[f"{name} mean size"] = speed[e > 0], e[e > 0]
     return drawn
 
 

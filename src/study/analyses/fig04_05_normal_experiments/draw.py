@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from study.analyses.fig04_05_normal_experiments import remarks
 from study.figures.declaration import (
     ENERGY_LOSS,
     NORMAL_SPEED,
@@ -69,6 +70,8 @@ def larger_keep_theirs(y: Curves) -> Stated:
         Larger spheres keep their restitution to lower speeds, and a probe above the surface
         overstates the slowest.
     """,
+    disagreement=remarks.FIG04_DISAGREEMENT,
+    agreement=remarks.FIG04_AGREEMENT,
     holds=larger_keep_theirs,
     method="""
         Particles are dropped, recorded by a virtual phase Doppler particle analyser
@@ -97,8 +100,6 @@ def draw_fig04(sheet: Sheet) -> None:
     (ax,) = sheet.panels(xlim=(0.0, 2.1), ylim=(0.0, 0.9), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
     ax.set_xticks((0.0, 0.5, 1.0, 1.5, 2.0))
     sheet.piled_up(ax)
-    for name in ("SST65 mean size", "SST125 mean size"):  # Under the curves of all that rebound
-        sheet.take(ax, name)
     sheet.draw(ax, NAMED, fixed=True)
     sheet.legend(ax, "lower right")
     sheet.keys()
@@ -128,6 +129,8 @@ def smaller_lose_more(y: Curves) -> Stated:
         Near capture {most:.0f} % of the energy is lost, and the smaller spheres lose more
         at every speed.
     """,
+    disagreement=remarks.FIG05_DISAGREEMENT,
+    agreement=remarks.FIG05_AGREEMENT,
     holds=smaller_lose_more,
     as_shipped="""
         Filled: SST65, the smaller spheres; open: SST125. Grey: the speeds at which the article

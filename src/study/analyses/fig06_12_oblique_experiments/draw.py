@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from study.analyses.fig06_12_oblique_experiments import remarks
 from study.figures.declaration import (
     ENERGY_LOSS,
     IMPULSE_RATIO,
@@ -165,6 +166,8 @@ def roughness_alone_raises(y: Curves) -> Stated:
         A rough back face raises the measured restitution at shallow angles to {back:.1f},
         although its contact is that of the front.
     """,
+    disagreement=remarks.FIG06_DISAGREEMENT,
+    agreement=remarks.FIG06_AGREEMENT,
     holds=roughness_alone_raises,
     method=IMAGED,
     as_shipped="""
@@ -219,6 +222,7 @@ def faces_differ(y: Curves) -> Stated:
         Both differences between the faces are inputs: the restitution, {front:.2f} of the
         front and {back:.2f} of the back at steep angles, and the roughness of the back.
     """,
+    agreement=remarks.FIG07_AGREEMENT,
     holds=faces_differ,
     method=IMAGED,
     as_shipped="""
@@ -263,6 +267,8 @@ def restitution_falls_with_speed(y: Curves) -> Stated:
         At {angle:.0f}° restitution falls from {fast:.2f} in the fastest class to {slow:.2f}
         in the slowest, as adhesion takes a larger share.
     """,
+    disagreement=remarks.FIG08_DISAGREEMENT,
+    agreement=remarks.FIG08_AGREEMENT,
     holds=restitution_falls_with_speed,
     method=SPINNING,
     as_shipped="""
@@ -309,6 +315,8 @@ def spin_lowers_adhesion_raises(y: Curves) -> Stated:
         A mean spin brings the impulse ratio to zero and below, but most at steep angles;
         adhesion at low speed raises it.
     """,
+    disagreement=remarks.FIG09_DISAGREEMENT,
+    agreement=remarks.FIG09_AGREEMENT,
     holds=spin_lowers_adhesion_raises,
     method=SPINNING,
     as_shipped="""
@@ -391,6 +399,8 @@ def spores_rise_and_do_not_fall(y: Curves) -> Stated:
         shallow angles, [[series.steel on silicon.case.particle]] does not; the
         fall that is printed between {high:.0f}° and {low:.0f}° is not obtained.
     """,
+    disagreement=remarks.FIG11_DISAGREEMENT,
+    agreement=remarks.FIG11_AGREEMENT,
     holds=spores_rise_and_do_not_fall,
     method=IMAGED,
     as_shipped="""
@@ -443,6 +453,8 @@ def both_seem_faster(y: Curves) -> Stated:
         At shallow angles both particles seem to leave with a larger normal velocity than
         they arrive with, although they lose {least:.0f} to {most:.0f} % of their energy.
     """,
+    disagreement=remarks.FIG12_DISAGREEMENT,
+    agreement=remarks.FIG12_AGREEMENT,
     holds=both_seem_faster,
     method=IMAGED,
     as_shipped="""

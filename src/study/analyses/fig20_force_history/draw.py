@@ -51,6 +51,7 @@ def attracts_at_both_ends(y: Curves) -> Stated:
         The adhesion damping is calibrated to the printed ratio of dissipative to total adhesion
         (1/5); the damping of the Hertz force is zero by choice.
     """,
+    tables={"force_ratios": "Ratios of the largest forces, beside the printed ones."},
 )
 def draw_fig20(sheet: Sheet) -> None:
     """Force against time: the whole contact, and its attraction enlarged."""

@@ -212,9 +212,9 @@ def draw_capture_velocity_profile(sheet: Sheet) -> None:
     method="""
         At [[pairs.steel-silicon.diameter_um:g]] µm. Each law is weighed by the same statements
         (table evidence_statements) over broad ranges of its parameters (table
-        evidence_summary). Laws are left out that have no contact which misses no statement by
+        evidence_summary). A law is left out if each of its contacts misses some statement by
         more than two standard errors, of its tails and of the normal about which velocities are
-        measured. The size of the spheres that the printed capture velocity is of is not stated.
+        measured. The article does not say for which size its capture velocity holds.
     """,
     tables={
         "evidence_summary": "Median and 95 % interval of every quantity by scenario and law, evidence "

@@ -56,6 +56,9 @@ def unseen_rebounds_bias_the_mean(y: Curves) -> Stated:
         slow rebounds at steep angles.
     """,
     contact=TWO_STAGES,
+    tables={
+        "interval_coverage": "Share of the error bars that contain the true mean, by speed and angle.",
+    },
     height_mm=75.0,
 )
 def draw_coverage_of_means(sheet: Sheet) -> None:

@@ -28,7 +28,7 @@ from microimpact.model.rigid_body.roughness import (
     shallow_restitution,
     sloped_impulse_ratio,
 )
-from study.declared.parameters import AngleDegrees, Finite, Fraction, ObliqueDegrees, OpenShare
+from study.declared.parameters import AngleDegrees, Finite, Fraction, OpenShare
 from study.tables import Tables, series_frame
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
@@ -131,17 +131,15 @@ class Params:
     friction: Fraction
     tolerance: OpenShare
     drawn_angle_deg: AngleDegrees
-    drawn_slope_deg: ObliqueDegrees
     drawn_spin_ratio: Finite
 
 
 def run(params: Params, inputs: Tables) -> Tables:
     """Compare the printed and the corrected equations with the exact coefficients.
 
-    ``roughness``: e_m and -mu_m over slope, over angle and at normal incidence, exact and by both
-    forms of each equation. The series ``range printed`` and ``range corrected`` are the two ends of
-    the range, around no slope or from the incidence an equation is for, within which it is as exact
-    as the tolerance asks.
+    ``roughness``: e_m over slope, e_m and -mu_m at normal incidence, exact and by both forms of
+    each equation. The series ``range printed`` and ``range corrected`` are the two ends of the
+    range around no slope within which it is as exact as the tolerance asks.
     """
     return {"roughness": curves(params)}
 
@@ -170,29 +168,6 @@ def slope_range(
     return low, high
 
 
-def angle_range(
-    equation: Equation, form: str, template: SlopedImpacts, tolerance: float
-) -> tuple[float, float]:
-    """Return the angles in degrees, from the incidence a form is for, in which it is exact.
-
-    Parameters
-    ----------
-    equation, form, tolerance
-        As of `slope_range`.
-    template
-        An impact, of which the angle varies.
-    """
-
-    def excess(angle: Real) -> FloatArray:
-        case = replace(template, angle=np.radians(angle))
-        return equation.error(case, form) - tolerance
-
-    least = max(-float(np.degrees(template.slope)), 0.0) + 90.0 * OFF
-    start, end = (least, 90.0) if equation.shallow else (90.0, least)
-    limit = first_excess(excess, start, end)
-    return float(np.minimum(start, limit)), float(np.maximum(start, limit))
-
-
 def first_excess(excess: Callable[[Real], FloatArray], start: float, end: float) -> float:
     """Return where the way from start to end first meets a positive excess.
 
@@ -210,7 +185,7 @@ def first_excess(excess: Callable[[Real], FloatArray], start: float, end: float)
 
 def curves(params: Params) -> pd.DataFrame:
     """Return the data of the figure."""
-    angle, slope, reach = params.drawn_angle_deg, params.drawn_slope_deg, DRAWN_SLOPES
+    angle, spin = params.drawn_angle_deg, params.drawn_spin_ratio
 
     def case(angle_deg: Real, slope_deg: Real, spin_ratio: float) -> SlopedImpacts:
         return SlopedImpacts(
@@ -221,30 +196,26 @@ def curves(params: Params) -> pd.DataFrame:
             spin_ratio=spin_ratio,
         )
 
-    # up to where a sphere without spin would slide the other way
-    angles = np.linspace(1.0, 89.0 - slope, POINTS)
-    slopes = np.linspace(-reach, reach, POINTS)
+    slopes = np.linspace(-DRAWN_SLOPES, DRAWN_SLOPES, POINTS)
     facing = slopes[slopes > -0.9 * angle]
     frames = []
-    for shallow, normal, spin in (("37", "after 40", 0.0), ("38", "41", params.drawn_spin_ratio)):
-        for view, name, x, impacts, template in (
-            ("slope", shallow, facing, case(angle, facing, 0.0), case(angle, 0.0, 0.0)),
-            ("angle", shallow, angles, case(angles, slope, 0.0), case(90.0, slope, 0.0)),
-            ("normal", normal, slopes, case(90.0, slopes, spin), case(90.0, 0.0, spin)),
-        ):
-            equation = EQUATIONS[name]
-            panel = f"{view} {equation.quantity}"
-            sign = 1.0 if equation.quantity == RESTITUTION else -1.0
-            frames.append(_frame(panel, "exact", x, sign * equation.exact(impacts)))
-            limits = angle_range if view == "angle" else slope_range
-            for form in FORMS:
-                y = sign * equation.value(impacts, form)
-                frames.append(_frame(panel, form, x, y))
-                ends = np.array(limits(equation, form, template, params.tolerance))
-                if np.isfinite(ends).all():
-                    frames.append(_frame(panel, f"range {form}", ends, np.interp(ends, x, y)))
-            if equation.quantity == RESTITUTION:
-                frames += _others(panel, equation, x, impacts)
+    for view, name, x, at, ratio in (
+        ("slope", "37", facing, angle, 0.0),
+        ("normal", "after 40", slopes, 90.0, 0.0),
+        ("normal", "41", slopes, 90.0, spin),
+    ):
+        equation, impacts = EQUATIONS[name], case(at, x, ratio)
+        panel = f"{view} {equation.quantity}"
+        sign = 1.0 if equation.quantity == RESTITUTION else -1.0
+        frames.append(_frame(panel, "exact", x, sign * equation.exact(impacts)))
+        for form in FORMS:
+            y = sign * equation.value(impacts, form)
+            frames.append(_frame(panel, form, x, y))
+            ends = np.array(slope_range(equation, form, case(at, 0.0, ratio), params.tolerance))
+            if np.isfinite(ends).all():
+                frames.append(_frame(panel, f"range {form}", ends, np.interp(ends, x, y)))
+        if equation.quantity == RESTITUTION:
+            frames += _others(panel, equation, x, impacts)
     return pd.concat(frames, ignore_index=True)
 
 

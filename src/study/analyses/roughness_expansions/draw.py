@@ -57,7 +57,7 @@ def expansion_holds_on_gentle_slopes(y: Curves) -> Stated:
         "normal impulse ratio": r"$\alpha$ = 90°, $r\omega/v$ = [[drawn_spin_ratio:g]]",
     },
     data=("roughness",),
-    equations="35, 36, 37, 38, 41, 4.1.2 restitution",
+    equations="35, 36, 37, 41, 4.1.2 restitution",
     finding="""
         At [[drawn_angle_deg:.0f]]° the article's expansion of the restitution holds on
         slopes of up to {printed:.1f}° as printed, and up to {corrected:.1f}° with its signs
@@ -65,7 +65,7 @@ def expansion_holds_on_gentle_slopes(y: Curves) -> Stated:
     """,
     holds=expansion_holds_on_gentle_slopes,
     method="""
-        e = [[restitution:.2f]] and f = [[friction:.2f]] about the local normal; Eqs. 37, 38, 41
+        e = [[restitution:.2f]] and f = [[friction:.2f]] about the local normal; Eqs. 37, 41
         and e - 9 phi^2/7. With its printed sign Eq. 35 never gives e_m above 1 on a slope that
         faces the sphere, and has a pole at phi = -alpha/2. The thin bound in (a) is the
         largest value that conservation of energy allows. In (b), (c) the sphere rolls at

@@ -165,13 +165,13 @@ def impacts(params: Params, contacts: dict[str, Contact], pair: tuple[str, str])
 
 
 def drawn_impacts(design: pd.DataFrame) -> pd.DataFrame:
-    """Return rebounds per sieve against the larger diameter, by pair of laws and lowest speed."""
+    """Return rebounds per sieve against the larger diameter, by pair of laws, from least speeds."""
     frame = partial(series_frame, "impacts", x_unit="um", y_unit="1")
-    groups = design.groupby(["laws", "lowest_speed_in_v_c"], sort=False)
+    lowest = design["lowest_speed_in_v_c"] == design["lowest_speed_in_v_c"].min()
     return pd.concat(
         [
-            frame(f"{laws}, from {lowest:g} v_c", rows["larger_um"], rows["rebounds_per_sieve"])
-            for (laws, lowest), rows in groups
+            frame(laws, rows["larger_um"], rows["rebounds_per_sieve"])
+            for laws, rows in design[lowest].groupby("laws", sort=False)
         ],
         ignore_index=True,
     )

@@ -36,7 +36,7 @@ def rebounds_decide(y: Curves) -> Stated:
     """At the best size of the larger sieve the hardest pair of laws is separated."""
     import pandas as pd
 
-    needed = pd.concat([y(f"{laws}, from 1.2 v_c") for laws in COMPARED], axis=1).max(axis=1)
+    needed = pd.concat([y(laws) for laws in COMPARED], axis=1).max(axis=1)
     return stated(needed.min() < 1000.0, rebounds=needed.min(), larger=float(str(needed.idxmin())))
 
 
@@ -89,8 +89,5 @@ def draw_capture_by_size(sheet: Sheet) -> None:
         "published power": Series("published power", 3, line="dotted", beside=170, side="left")
     }
     sheet.draw(size, STEEL_LAWS | published)
-    rebounds = {f"{laws}, from 1.2 v_c": look for laws, look in COMPARED.items()}
-    for laws in COMPARED:  # Those from two capture velocities are in the table
-        sheet.take(impacts, f"{laws}, from 2 v_c")
-    sheet.draw(impacts, rebounds, fixed=True)
+    sheet.draw(impacts, COMPARED, fixed=True)
     sheet.keys()

@@ -17,7 +17,15 @@ from study.judge import words
 from study.judge.counts import errors, revisions
 from study.report.site import FOLDERS, PAGES, ledgers
 from study.report.site.exports import claims_json, schema_json
-from study.report.site.figures import Figure, departures, figures, label, studies_behind
+from study.report.site.figures import (
+    OTHER,
+    SUBJECTS,
+    Figure,
+    departures,
+    figures,
+    label,
+    studies_behind,
+)
 from study.report.site.formula import prose
 from study.report.site.glossary import definitions
 from study.report.site.ledgers import read_rows
@@ -47,11 +55,17 @@ PARTS_OF_CLAIMS = {
 }
 # Tables that the page of claims shows below them.
 BESIDE = ("rival_explanations", "capture_evidence", "rival_forces", "external_evidence")
-# Tables that belong to no figure.
+# Tables that belong to no figure, and what they are about.
+LEDGERS = "Inputs, claims and equations"
 WORDS = {
     "inputs": "Every declared number with unit, evidence class and source.",
     "claims": "Every claim of the article, the numbers behind it and the verdict.",
     "claim_results": "Every number of every claim, its bounds, and whether it lies within them.",
+    "claim_amendments": "Every change of a claim after it was first judged, with its reason.",
+    "claim_draws": "Numbers of the claims for each drawn contact.",
+    "claim_evidence": "Facts found by others that speak about a claim.",
+    "claim_numbers": "Numbers of the claims as their functions return them.",
+    "external_evidence": "Facts found by others, beside what the model gives.",
     "claim_shares": "Shares of the drawn contacts that meet each claim.",
     "equations": "Every equation as printed and as used, judged.",
     "errata": "Slips of the text outside its equations.",
@@ -66,16 +80,12 @@ class Table:
     words: str
     columns: tuple[str, ...]
     rows: int
+    subject: str
 
     @property
     def name(self) -> str:
         """The name by which studies take it."""
         return self.file.rpartition("/")[2].removesuffix(".csv")
-
-    @property
-    def folder(self) -> str:
-        """The folder of the results that contains it."""
-        return self.file.partition("/")[0]
 
 
 def write_site(results: Path, record: Record) -> list[Path]:
@@ -170,6 +180,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "equation_errors": errors(equations),
         "equation_counts": ledgers.tally(equations, ledgers.EQUATION_VERDICTS),
         "shown": shown,
+        "subjects": (*SUBJECTS, OTHER, LEDGERS),
         "first_claims": FIRST_CLAIMS,
         "first": [by_name[name] for name in FIRST if name in by_name] or shown[: len(FIRST)],
         "prose": prose,
@@ -226,8 +237,10 @@ def _figure_pages(shown: Sequence[Figure], common: Mapping[str, Any]) -> dict[st
 
 def _tables(results: Path, shown: Sequence[Figure]) -> list[Table]:
     words = {f"tables/{name}.csv": text for name, text in WORDS.items()}
+    subjects: dict[str, str] = {}
     for figure in shown:
         words |= dict.fromkeys(figure.data, f"Data of {figure.label}: {figure.title}.")
+        subjects |= dict.fromkeys((*figure.data, *figure.tables), figure.subject)
     words |= {file: text for figure in shown for file, text in figure.tables.items()}
     listed = []
     for folder in ("tables", "data"):
@@ -237,5 +250,6 @@ def _tables(results: Path, shown: Sequence[Figure]) -> list[Table]:
                 lines = csv.reader(stream)
                 columns = tuple(next(lines, ()))
                 rows = sum(1 for _ in lines)
-            listed.append(Table(file=file, words=words.get(file, ""), columns=columns, rows=rows))
+            said, about = words.get(file, ""), subjects.get(file, LEDGERS)
+            listed.append(Table(file=file, words=said, columns=columns, rows=rows, subject=about))
     return listed

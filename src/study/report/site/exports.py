@@ -77,7 +77,7 @@ class Claim:
     numbers: list[Result]
     verdict: str
     confidence: str  # open, exact, firm or weak: by verdict and standard errors from the bound
-    note: str
+    sentence: str  # The numbers in words, and why the verdict is open
     shares: list[Share]
     decided_by: str
     independent: str

@@ -9,11 +9,34 @@ from pathlib import Path
 from urllib.parse import urlencode
 
 from study import analyses
+from study.figures.declaration import all_figures
 from study.report.site.ledgers import Row, read_rows
 from study.report.site.record import Record
+from study.tables import ResultTables
 
 ARTICLE = re.compile(r"fig(\d\d)")
 ACRONYMS = {"ptis", "pdpa"}
+# What figures and tables are about, by the analyses that make them, as pages group them.
+SUBJECTS = {
+    "Capture velocity": (
+        *("capture_velocities", "inference", "fig15_16_restitution_fits", "rival_explanations"),
+        *("pile_up", "size_law", "calibration", "fig14_restitution_trends"),
+    ),
+    "Normal impact": (
+        *("fig04_05_normal_experiments", "fig20_force_history", "edge_speed"),
+        "particle_separation",
+    ),
+    "Oblique impact": ("fig06_12_oblique_experiments", "mechanisms", "oblique_data"),
+    "Friction and rolling": (
+        *("fig17_coulomb_friction", "fig18_21_oblique_impact", "rolling_dissipation"),
+    ),
+    "Roughness": ("fig23_monte_carlo", "roughness_expansions"),
+    "Instruments and set-ups": (
+        *("fig01_03_13_19_22_schematics", "pair_search", "track_imaging", "campaign"),
+    ),
+    "Statistics and sensitivity": ("fig24_25_doe", "sensitivity", "interval_coverage"),
+}
+OTHER = "Further analyses"
 # Names of the declared tables in a study, and those of their files.
 TABLES = {
     "materials": "materials",
@@ -46,11 +69,14 @@ class Figure:
 
     name: str
     label: str
+    subject: str
     title: str
     finding: str
     caption: str
     method: str
     article: str
+    disagreement: Sequence[str]
+    agreement: Sequence[str]
     data: tuple[str, ...]
     tables: Mapping[str, str]
     evidence: tuple[str, ...]
@@ -86,6 +112,11 @@ def label(name: str) -> str:
     return " ".join([first.upper() if first in ACRONYMS else first.capitalize(), *rest])
 
 
+def subject(analysis: str) -> str:
+    """Return the subject of an analysis, under which pages list its figures and tables."""
+    return next((words for words, names in SUBJECTS.items() if analysis in names), OTHER)
+
+
 def figures(
     results: Path, record: Record, ledgers: Mapping[str, Sequence[Row]], declared: Sequence[Row]
 ) -> list[Figure]:
@@ -102,19 +133,25 @@ def figures(
     declared
         Rows of the table of inputs.
     """
+    tables_of_run = ResultTables(results)
     there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
 
     def figure(name: str) -> Figure:
         entry = record.figures[name]
         study, data = entry["analysis"], tuple(f"data/{table}.csv" for table in entry["data"])
+        declared_figure = all_figures().get(name)
+        compared = declared_figure.compared(tables_of_run) if declared_figure else ([], [])
         tables = {f"tables/{table}.csv": words for table, words in entry.get("tables", {}).items()}
         return Figure(
             name=name,
             label=label(name),
+            subject=subject(study),
             title=entry["title"],
             finding=_line(finding(results / f"figures/{name}.csv")),
             **{key: _line(entry.get(key, "")) for key in ("caption", "method")},
             article=" ".join(entry.get("article", "").split()),
+            disagreement=[_line(words) for words in compared[0]],
+            agreement=[_line(words) for words in compared[1]],
             data=data,
             tables={file: words for file, words in tables.items() if (results / file).is_file()},
             evidence=_evidence([results / file for file in data]),

@@ -13,15 +13,7 @@ from markupsafe import Markup
 
 from study.judge.changed import OF_ANOTHER
 from study.judge.counts import verdicts
-from study.judge.words import (
-    bounds,
-    drawn_share,
-    fails,
-    in_words,
-    number,
-    readable,
-    with_unit,
-)
+from study.judge.words import in_words, readable, with_unit
 from study.report.site.formula import mathml
 
 Row = dict[str, str]
@@ -46,6 +38,8 @@ EQUATION_VERDICTS = {
     "undecidable": "open",
 }
 CONTRADICTION = "contradiction"
+# Standard errors beyond which their number says no more.
+FAR = 100.0
 
 
 def read_rows(path: Path) -> list[Row]:
@@ -81,25 +75,12 @@ def printed(claim: Row) -> str:
     return with_unit(claim["article_value"], claim["unit"])
 
 
-def here(claim: Row, results: Sequence[Row], shares: Sequence[Row]) -> str:
-    """Return the outcome of a claim in a sentence: its shares, or the number that decides it."""
-    if shares:
-        return drawn_share(shares, claim["decided_by"])
-    tested = sorted((row for row in results if bounds(row)), key=lambda row: not fails(row))
-    if not tested:
-        return claim["note"]
-    least = tested[0]
-    case = f" for {least['case']}" if least["case"] else ""
-    required = f"required: {bounds(least)}"
-    label = least["label"]
-    return f"{label[:1].upper()}{label[1:]} is {number(least)}{case} ({required})."
-
-
 def margin(text: str) -> str:
     """Return in words how far the number that decides is from its bound."""
     distance = float(text)
     side = "beyond" if distance < 0 else "within"
-    return f"{readable(abs(distance))} standard errors {side} the bound."
+    far = "More than " if abs(distance) > FAR else ""
+    return f"{far}{readable(min(abs(distance), FAR))} standard errors {side} the bound."
 
 
 def anchor(prefix: str, name: str) -> str:
