@@ -234,8 +234,8 @@ def fraction(context: Context, variation: str) -> Effects:
     sizes = contrasts(runs, LETTERS, [*aliases.index], response)
     percent = 100.0 * sizes / response.mean(axis=-1, keepdims=True)
     return Effects(
-        percent=dict(zip(aliases.index, percent.T, strict=True)),
-        aliases=aliases.fillna("").to_dict(),
+        percent=dict(zip(map(str, aliases.index), percent.T, strict=True)),
+        aliases={str(word): str(others) for word, others in aliases.fillna("").items()},
         margin=np.array([lenth(of_one).margin for of_one in percent]),
     )
 

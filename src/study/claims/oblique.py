@@ -321,7 +321,7 @@ def c16(
     normal = np.outer(sines[speed_m_per_s * sines < limit], speeds)
     slow = normal[normal < limit]
     parts = [rebounds_of_class(context, dropped.diameter_um, speed) for speed in slow]
-    restitution, captured = np.moveaxis(parts, 1, 0)
+    restitution, captured = map(np.array, zip(*parts, strict=True))
     return {
         "captured_share": captured.mean(axis=0),
         "mean_restitution": np.mean(restitution * (1.0 - captured), axis=0),
