@@ -23,7 +23,7 @@ from microimpact.core.solve import root
 
 # Degrees of freedom of the kernels, and draws from each.
 FREEDOM, EACH = 5.0, 4
-# Binary logarithm of the points of the first sequence to each one of the pool that is spread evenly.
+# Binary logarithm of the first sequence's points to each that the pool has all over the cube.
 EVEN = 3
 # Power to which the weights are raised where hardly any of them count.
 FLATTEST = 1e-9

@@ -2,15 +2,33 @@
 
 from __future__ import annotations
 
-import numpy as np
-import pandas as pd
+from dataclasses import dataclass
 
+import numpy as np
+
+from microimpact.core.arrays import FloatArray
 from microimpact.core.computable import NotComputable
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.statistics.effects import effects as contrasts
+from microimpact.statistics.effects import lenth
 from study.analyses.fig24_25_doe.compute import PAIR
+from study.analyses.fig24_25_doe.factors import LETTERS, at_levels, coded
 from study.claims.claim import RIDGE, Claim, Number
 from study.claims.context import Context, Numbers
 
 REALISTIC, SMALL = "realistic", "uniform"
+
+
+@dataclass(frozen=True, slots=True)
+class Effects:
+    """Effects (contacts,) that the fractional design estimates, in % of the mean, by their words.
+
+    With what the design does not tell from them, and Lenth's margin of one effect (contacts,).
+    """
+
+    percent: dict[str, FloatArray]
+    aliases: dict[str, str]
+    margin: FloatArray
 
 
 @Claim(
@@ -56,7 +74,7 @@ REALISTIC, SMALL = "realistic", "uniform"
     ),
     figures="fig24",
     external=("surface energy and radius play by far the greatest part",),
-    by_case=True,
+    by_contact=True,
 )
 def c53(context: Context) -> Numbers:
     """Effects of radius and adhesion against all others, at two sets of levels.
@@ -75,12 +93,13 @@ def ranking(context: Context, variation: str) -> Numbers:
     slope = context.table("doe_elasticities").set_index("factor")["at_fixed_zeta"]
     levels = context.table("doe_levels", variation=variation).set_index("factor")
     ranges = np.log(levels["high_multiple"] / levels["low_multiple"])
-    margin = effects["margin_percent"].iloc[0]
-    others = effects["effect_percent"].drop(["B", "C"], errors="ignore")
+    margin = effects.margin
+    others = [size for word, size in effects.percent.items() if word not in ("B", "C")]
     return {
         "effect_of_radius_over_margin": effect(effects, "C") / margin,
         "effect_of_work_of_adhesion_over_margin": effect(effects, "B") / margin,
-        "smaller_of_both_over_largest_other_effect": leading(effects) / others.abs().max(),
+        "smaller_of_both_over_largest_other_effect": leading(effects)
+        / np.max(np.abs(others), axis=0),
         "log_range_of_work_of_adhesion_over_that_of_damping": ranges["B"] / ranges["D"],
         "log_range_at_which_both_have_one_effect": slope["D"] / slope["B"],
     }
@@ -121,18 +140,18 @@ def ranking(context: Context, variation: str) -> Numbers:
     cases=RIDGE,
     figures="fig25",
     external=("surface energy and radius play by far the greatest part",),
-    by_case=True,
+    by_contact=True,
 )
 def c54(context: Context) -> Numbers:
     """Effects of stiffness and adhesion damping at small levels, over the margin."""
     effects = fraction(context, SMALL)
-    margin = effects["margin_percent"].iloc[0]
+    margin = effects.margin
     stiffness, damping = (abs(effect(effects, letter)) for letter in "AD")
     return {
         "size_of_stiffness_effect_over_margin": stiffness / margin,
         "size_of_adhesive_damping_effect_over_margin": damping / margin,
         "smaller_of_radius_and_adhesion_over_larger_of_these": leading(effects)
-        / max(stiffness, damping),
+        / np.maximum(stiffness, damping),
     }
 
 
@@ -163,7 +182,7 @@ def c54(context: Context) -> Numbers:
     cases=RIDGE,
     figures="fig25",
     external=("one interaction plays a small part: surface energy with adhesion damping",),
-    by_case=True,
+    by_contact=True,
 )
 def c55(context: Context) -> Numbers:
     """Interaction BD at small levels over the margin of error, and over those of the same factors.
@@ -175,7 +194,7 @@ def c55(context: Context) -> Numbers:
     effects = fraction(context, SMALL)
     size = {word: abs(effect(effects, word)) for word in ("BD", "BC", "CD")}
     return {
-        "size_of_bd_over_margin": size["BD"] / effects["margin_percent"].iloc[0],
+        "size_of_bd_over_margin": size["BD"] / effects.margin,
         "size_of_bd_over_bc": size["BD"] / size["BC"],
         "size_of_bd_over_cd": size["BD"] / size["CD"],
         "largest_effect_taken_for_bd_by_a_quarter_of_the_design": taken.abs().max(),
@@ -208,41 +227,58 @@ def c55(context: Context) -> Numbers:
     ),
     cases=RIDGE,
     figures="fig24 fig25",
-    by_case=True,
+    by_contact=True,
 )
 def c56(context: Context) -> Numbers:
     """Secondary effects over the smaller leading one, the larger of both sets of levels."""
     sets = [fraction(context, variation) for variation in (REALISTIC, SMALL)]
-    larger = max(
-        abs(effect(effects, letter)) / leading(effects) for effects in sets for letter in "AE"
-    )
+    sizes = [abs(effect(each, letter)) / leading(each) for each in sets for letter in "AE"]
+    larger = np.max(sizes, axis=0)
     return {"larger_of_stiffness_and_material_damping_over_smaller_leading_effect": larger}
 
 
-def fraction(context: Context, variation: str) -> pd.DataFrame:
-    """Return the effects that the fractional design estimates, by their words."""
+def fraction(context: Context, variation: str) -> Effects:
+    """Return the effects of the runs of the fractional design about each contact.
+
+    Raises NotComputable if its law has no damping of adhesion and material, the factors D and E.
+    """
+    steel = context.steel
+    if steel.law is not None:
+        raise NotComputable("the factors are those of the ring force")
+    table = context.table("doe_design", variation=variation)
+    runs = table.loc[table["in_fraction"].astype(str) == "True", list(LETTERS)].to_numpy(float)
+    levels = context.table("doe_levels", variation=variation).set_index("factor").loc[[*LETTERS]]
+    multiples = coded(levels[["low_multiple", "high_multiple"]].to_numpy(float).T, runs)
+    response = capture_velocity(at_levels(steel, multiples[:, None])).T
     wanted = {"variation": variation, "design": "fraction", "response": "v_c"}
-    return context.table("doe_effects", **wanted).set_index("effect")
+    aliases = context.table("doe_effects", **wanted).set_index("effect")["aliases"]
+    sizes = contrasts(runs, LETTERS, [*aliases.index], response)
+    percent = 100.0 * sizes / response.mean(axis=-1, keepdims=True)
+    return Effects(
+        percent=dict(zip(map(str, aliases.index), percent.T, strict=True)),
+        aliases={str(word): str(others) for word, others in aliases.fillna("").items()},
+        margin=np.array([lenth(of_one).margin for of_one in percent]),
+    )
 
 
-def effect(effects: pd.DataFrame, word: str) -> float:
-    """Return the design's estimate of the effect of a factor or of an interaction of two.
+def effect(effects: Effects, word: str) -> FloatArray:
+    """Return the design's estimates of the effect of a factor or of an interaction of two.
 
     Raises NotComputable if the design does not tell it from another such effect.
     """
-    sizes = effects["effect_percent"].to_numpy(float)
-    for name, aliases, size in zip(effects.index, effects["aliases"], sizes, strict=True):
-        words = [name, *str(aliases).replace("-", "").split()]
+    for name, size in effects.percent.items():
+        words = [name, *effects.aliases[name].replace("-", "").split()]
         if word in words:
             if others := [other for other in words if other != word and len(other) <= PAIR]:
                 mixed = " and ".join(others)
                 raise NotComputable(
                     f"fig24_25_doe.generator: the design does not tell {word} from {mixed}"
                 )
-            return float(size)
+            return size
     raise NotComputable(f"fig24_25_doe.generator: {word} is constant over the runs of the design")
 
 
-def leading(effects: pd.DataFrame) -> float:
+def leading(effects: Effects) -> FloatArray:
     """Return the smaller size of the effects of work of adhesion and radius."""
-    return min(abs(effect(effects, letter)) for letter in "BC")
+    smaller: FloatArray = np.minimum(*(abs(effect(effects, letter)) for letter in "BC"))
+    return smaller

@@ -14,8 +14,8 @@ from microimpact.core.constants import gravity
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.statistics.distributions import Distribution, generator
-from microimpact.statistics.intervals import ERROR_BAR
+from microimpact.statistics.distributions import Distribution
+from microimpact.statistics.intervals import ERROR_BAR, student_half_width
 from study.analyses.pile_up.compute import onset
 from study.claims.claim import RIDGE, Claim, Number, untestable
 from study.claims.context import Context, Estimate, Numbers, of_share
@@ -28,12 +28,10 @@ from study.declared.parameters import (
     PositiveRange,
 )
 
-# Ends of an interval of 95 %, of which the lower decides.
-LOWER_END = 0.025
 # An interval that is said to hold the mean so often does, if it does so within the tolerance.
 LEVEL, LEVEL_TOLERANCE = 0.95, 0.015
-# Points of curves: over speeds, and over the falls of two classes.
-POINTS, FALL = 61, 40
+# Points of curves over speeds.
+POINTS = 61
 # Curves begin so much above the capture velocity, relatively.
 ABOVE_CAPTURE = 1e-4
 # Quantiles of a sieve class, and speeds, of a mean of its rebounds.
@@ -464,86 +462,51 @@ def c63(context: Context) -> Numbers:
     kind="virtual experiment",
     article="inequality",
     numbers={
-        "ratio_of_speeds_below_plateau": Number(
-            "speed at [[plateau_share:g]] of the plateau, smaller / larger class"
+        "difference_of_falls_over_half_width": Number(
+            "fall to [[speeds_m_per_s.0:g]] m/s, smaller less larger class / half-width",
+            at_least=1.0,
         ),
-        "lower_end_of_its_interval": Number(at_least=1.001),
+        "fall_of_smaller_class": Number(),
+        "fall_of_larger_class": Number(),
     },
     reason=(
-        "The speeds at which restitution is [[plateau_share:g]] of its plateau must have a ratio "
-        "above one, and so must the lower end of its 95 % interval; tested over the whole sieve "
-        "ranges and conditional on rebound. Sharpens C07."
+        "Mean restitutions of the rebounds over the whole sieve ranges, at [[speeds_m_per_s.1:g]] "
+        "m/s less at [[speeds_m_per_s.0:g]] m/s, the faster end of the pile-up; a fall is stronger "
+        "if experiments could have seen it. Sharpens C07."
     ),
     cases=RIDGE,
     figures="fig04 fig05",
-    by_case=True,
+    by_contact=True,
 )
 def c64(
     context: Context,
     *,
     smaller_um: Distribution,
     larger_um: Distribution,
-    sizes: Count,
     speeds_m_per_s: PositiveRange,
-    plateau_share: Fraction,
-    experiments: Count,
 ) -> Numbers:
-    """Ratio of the speeds at which restitution has fallen to a share of its plateau.
+    """Falls of restitution from the fastest to a low speed: means of the rebounds of two classes.
 
-    Of both classes over their whole ranges, rebounds alone; its interval from experiments with
-    rebounding spheres drawn anew at every speed. The plateau is at the fastest.
+    Beside them their difference over the half-width of its 95 % interval, of four experiments whose
+    events differ by the diameter.
     """
-    sampling = context.params.sampling
-    speed = np.geomspace(*speeds_m_per_s, FALL)
-    rng = generator(sampling.seed, 3)
-    ratio, drawn = np.ones(1), np.ones(experiments)
-    for diameter_um, power in ((smaller_um, 1.0), (larger_um, -1.0)):
-        spheres = resized(context.steel, of_class(diameter_um, sizes))
-        e = normal_impact(spheres, speed[:, None]).coefficient_of_restitution
-        rebounds = [row[row > 0.0] for row in e]
-        rebounding = np.array([len(row) >= sampling.events for row in rebounds])
-        if not rebounding.any():
-            raise NotComputable(f"C64: at no speed do {sampling.events} spheres of a class rebound")
-        known = [row for row, enough in zip(rebounds, rebounding, strict=True) if enough]
-        curve = np.array([[row.mean()] for row in known])
-        sample = np.array(
-            [rng.choice(row, (experiments, sampling.events)).mean(axis=1) for row in known]
-        )
-        ratio = ratio * fallen_speed(speed[rebounding], curve, plateau_share) ** power
-        drawn = drawn * fallen_speed(speed[rebounding], sample, plateau_share) ** power
+    falls, variances = [], []
+    for diameter_um in (smaller_um, larger_um):
+        spheres = resized(context.steel, of_class(diameter_um, CLASS_SIZES)[:, None, None])
+        e = normal_impact(spheres, np.array(speeds_m_per_s)[:, None]).coefficient_of_restitution
+        share = np.maximum(np.sum(e > 0.0, axis=0), 1)
+        mean = np.sum(e, axis=0) / share
+        variance = np.sum(np.square(np.where(e > 0.0, e - mean, 0.0)), axis=0) / share
+        falls.append(mean[1] - mean[0])
+        variances.append(np.sum(variance, axis=0))
+    events = context.params.sampling.events
+    sd = np.sqrt(np.sum(variances, axis=0))
+    width = student_half_width(sd, events, freedom=4 * (events - 1))
     return {
-        "ratio_of_speeds_below_plateau": ratio[0],
-        "lower_end_of_its_interval": np.quantile(drawn, LOWER_END),
+        "difference_of_falls_over_half_width": (falls[0] - falls[1]) / width,
+        "fall_of_smaller_class": falls[0],
+        "fall_of_larger_class": falls[1],
     }
-
-
-def fallen_speed(speed: FloatArray, restitution: FloatArray, share: float) -> FloatArray:
-    """Return the highest speed at which restitution is a share of its value at the last speed.
-
-    Parameters
-    ----------
-    speed
-        Ascending, m/s, shape (n,).
-    restitution
-        Of m experiments, shape (n, m).
-    share
-        Of the plateau.
-
-    Raises
-    ------
-    ValueError
-        If it is above that share at all speeds.
-    """
-    aim = share * restitution[-1]
-    below = restitution < aim
-    if not below.any(axis=0).all():
-        raise NotComputable(f"C64.speeds_m_per_s: restitution does not fall to {share:g} at them")
-    last = len(speed) - 1 - np.argmax(below[::-1], axis=0)
-    column = np.arange(restitution.shape[1])
-    low, high = restitution[last, column], restitution[last + 1, column]
-    part = (aim - low) / (high - low)
-    fallen: FloatArray = speed[last] * (speed[last + 1] / speed[last]) ** part
-    return fallen
 
 
 @Claim(

@@ -29,10 +29,9 @@ from study.claims.context import (
     Estimate,
     Numbers,
     SteepToShallow,
-    of_share,
     over_draws,
 )
-from study.claims.experiments import rebounds_of_class
+from study.claims.experiments import CLASS_SPEEDS, rebounds_of_class
 from study.declared.parameters import (
     AngleDegrees,
     Count,
@@ -322,11 +321,12 @@ def inverse_tangent(angle: FloatArray) -> FloatArray:
     reason=(
         "No capture in an experiment means a captured share of at most one in the printed number "
         "of events. Tested below [[normal_speed_below_m_per_s:g]] m/s, the slower end of the "
-        "pile-up, at the declared angles that have such normal speeds."
+        "pile-up, at the declared angles that have such normal speeds, over the sieve range and the "
+        "class of speeds."
     ),
     cases=RIDGE,
     figures="fig08",
-    by_case=True,
+    by_contact=True,
 )
 def c16(
     context: Context,
@@ -341,18 +341,15 @@ def c16(
     restitution 0 that it has: where none rebounds there is no other mean.
     """
     angles, limit = np.array(context.params.steel.angles_deg), normal_speed_below_m_per_s
-    slow = replace(dropped, speed_m_per_s=speed_m_per_s)
-    below = angles[speed_m_per_s * np.sin(np.radians(angles)) < limit]
-    stayed, restitution = [], []
-    for angle in below:
-        impacts = sampled(context, slow, float(angle))
-        chosen = impacts.select(-impacts.velocity[:, 2] < limit)
-        stayed += chosen.captured.tolist()
-        rebound = np.where(chosen.captured, 0.0, chosen.rebound_velocity[:, 2])
-        restitution += (-rebound / chosen.velocity[:, 2]).tolist()
+    sines = np.sin(np.radians(angles))
+    speeds = np.linspace(*dropped.speed_range_m_per_s, CLASS_SPEEDS)
+    normal = np.outer(sines[speed_m_per_s * sines < limit], speeds)
+    slow = normal[normal < limit]
+    parts = [rebounds_of_class(context, dropped.diameter_um, speed) for speed in slow]
+    restitution, captured = map(np.array, zip(*parts, strict=True))
     return {
-        "captured_share": of_share(np.mean(stayed), len(stayed)),
-        "mean_restitution": np.mean(restitution),
+        "captured_share": captured.mean(axis=0),
+        "mean_restitution": np.mean(restitution * (1.0 - captured), axis=0),
     }
 
 

@@ -121,7 +121,8 @@ def test_another_generator(run_study, calibration, sampling):
     drawn = found["fig24"]["series"].str.removeprefix("v_c: ")
     assert {"A+BD+CE", "B+AD", "BC+DE", "BE+CD"} <= set(drawn)
     fraction = table[(table["variation"] == "uniform") & (table["design"] == "fraction")]
-    effects = fraction[fraction["response"] == "v_c"].set_index("effect")
+    rows = fraction[fraction["response"] == "v_c"].set_index("effect")
+    effects = designs.Effects(dict(rows["effect_percent"]), dict(rows["aliases"]), np.zeros(1))
     for word, mixed in {"A": "BD and CE", "BD": "A and CE"}.items():
         with pytest.raises(
             ValueError, match=f"fig24_25_doe.generator: .* tell {word} from {mixed}"

@@ -259,10 +259,11 @@ def levels(claim, world, factor, half):
 def small_levels_of_damping(claim, world):
     half, names = 0.00005, ("stiffness", "work_of_adhesion", "radius", "hertz_dissipation")
     damping = {"adhesion_dissipation": (1.0 - half, 1.0 + half)}
-    table = effects(world, **dict.fromkeys(names, (0.95, 1.05)), **damping)["doe_effects"]
+    tables = effects(world, **dict.fromkeys(names, (0.95, 1.05)), **damping)
     # the declared levels stand in for the printed ones, which have one width for all factors
-    table = table[table["variation"] == "realistic"].assign(variation="uniform")
-    return world.numbers(claim, {"doe_effects": table})
+    levels = tables["doe_levels"]
+    levels = levels[levels["variation"] == "realistic"].assign(variation="uniform")
+    return world.numbers(claim, tables | {"doe_levels": levels})
 
 
 BREAKS = {

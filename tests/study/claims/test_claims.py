@@ -33,7 +33,6 @@ MUTE = {"C84": "no cause tried turns the rise below 15 deg, of three error bars,
 LEAST = {
     "sampling": {"impacts": 200},
     "series_impacts": 200,
-    "C64": {"sizes": 50, "experiments": 20},
     "C109": {"experiments": 2},
 }
 

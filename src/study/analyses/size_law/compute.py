@@ -79,7 +79,8 @@ def run(params: Params, inputs: Tables) -> Tables:
         low, middle, high = np.quantile(limits, INTERVAL, axis=1)
         curves.append(frame(law, sizes, middle, "calibrated", low, high))
         each = exponents(contact, params.smaller_um, params.larger_um[-1])
-        ends = dict(zip(("low", "median", "high"), -np.quantile(-each, INTERVAL[::-1]), strict=True))
+        low, middle, high = -np.quantile(-each, INTERVAL[::-1])
+        ends = {"low": low, "median": middle, "high": high}
         rows.append({"law": law, **ends, "evidence": "calibrated"})
     for case in params.compared:
         contact = calibrated_contact(inputs, case)
