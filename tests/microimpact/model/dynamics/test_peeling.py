@@ -139,9 +139,8 @@ def test_a_fast_edge_is_that_of_jkr(build, exponent, viscous_time):
     jkr = build(JKR(viscous_time=viscous_time), 1.0)
     fast = build(edge(EDGE_SPEEDS[1] * np.array([[0.1], [1.0]]), exponent, viscous_time), 1.0)
     far = restitution(jkr, SPEED) - restitution(fast, SPEED)
-    assert np.all((far >= 0.0) & (far < 5e-5))
-    assert np.all(far[1] <= 0.5 * far[0])
-    assert far[1].max() < 1e-5
+    assert np.all((far[1] > 0.0) & (far[1] < 0.5 * far[0]))
+    assert far[1].max() < 1e-4  # at a few capture velocities; 1e-6 of fast spheres
     assert capture_velocity(fast)[1].item() == pytest.approx(capture_velocity(jkr), rel=5e-6)
 
 
