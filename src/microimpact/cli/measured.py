@@ -276,6 +276,7 @@ def _numbers(comparison: Comparison) -> dict[str, Any]:
 @table_options(TABLE | SPREADS)
 @click.option("--draws", type=int, default=400, show_default=True, help="Contacts to be drawn.")
 @click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--laws", help="Only these, parted by commas; 'edge JKR' is not among all.")
 @click.option("--restitution", type=float, help="Without DATA: e at --at-speed.")
 @click.option("--at-speed", type=float, help="m/s.")
 @click.option("--capture-velocity", type=float, help="Without DATA: v_c, m/s.")
@@ -286,6 +287,7 @@ def calibrate_command(
     reading: Mapping[str, Any],
     draws: int,
     seed: int,
+    laws: str | None,
     restitution: float | None,
     at_speed: float | None,
     capture_velocity: float | None,
@@ -320,8 +322,10 @@ def calibrate_command(
     else:
         measured = _measured(data, reading)
         start = _bodies(pair)
+        options: dict[str, Any] = {"draws": draws, "seed": seed}
+        options |= {"laws": [law.strip() for law in laws.split(",")]} if laws else {}
         with patience("fitting every law, then drawing contacts") as say:
-            drawn = calibrate_laws(start, **measured, draws=draws, seed=seed, progress=say)
+            drawn = calibrate_laws(start, **measured, **options, progress=say)
         contacts, bests = dict(drawn.contacts), dict(drawn.best)
         weights = {model.name: model.weight for model in drawn.comparison.models}
         _print_contacts(contacts, bests, weights, measured.read, as_json=as_json, file=output)

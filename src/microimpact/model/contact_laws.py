@@ -14,6 +14,9 @@ from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Range, Real, checked
 from microimpact.core.readable import Readable
 
 RING_FORCE = "ring force"
+# Speeds c of an edge, m/s: from an atom in some years, which holds every sphere, to a hundred times
+# the fastest sound, with which the contact is that of JKR.
+EDGE_SPEEDS = (1e-18, 1e6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -102,16 +105,18 @@ class MaugisBarquins(JKR):
     Parameters
     ----------
     edge_speed
-        Speed c at which the work of separation is twice that of adhesion, m/s.
+        Speed c at which the work of separation is twice that of adhesion, m/s, 1e-18 to 1e6.
     edge_exponent
-        m, up to 2; beyond, the loss would outgrow the energy, and fast spheres stick.
+        m, 0.02 to 2; below, it is `Hysteresis`; beyond, the loss would outgrow the energy, and
+        fast spheres stick.
     viscous_time
         As of `JKR`.
     """
 
     name: ClassVar[str] = "maugis-barquins"
     admissible: ClassVar[Mapping[str, Range]] = {
-        "edge_exponent": Range(lower=0.0, upper=2.0, upper_closed=True),
+        "edge_speed": Range(*EDGE_SPEEDS, lower_closed=True, upper_closed=True),
+        "edge_exponent": Range(lower=0.02, upper=2.0, lower_closed=True, upper_closed=True),
         **JKR.admissible,
     }
     edge_speed: Real

@@ -34,6 +34,7 @@ from microimpact.model.empirical.data import (
 from microimpact.model.empirical.kernel import LN_SIGMA, LN_SIZE, PARAMETERS, SCATTERED
 
 LAWS = ("ring force", "viscous JKR", "Thornton-Ning", "hysteresis")
+DRAWN = (*LAWS, shapes.EDGE)
 
 # Misfits that chance brings about more rarely are told.
 REJECTED = 0.01
@@ -124,6 +125,7 @@ def calibrate_laws(
     d: Numbers | None = None,
     size_scatter: Numbers | Literal["free"] | None = None,
     *,
+    laws: Sequence[str] = LAWS,
     draws: int = 400,
     seed: int = 0,
     progress: Callable[[str], object] | None = None,
@@ -141,6 +143,8 @@ def calibrate_laws(
         damping are not used.
     v, e, sigma, sigma_v, d, size_scatter
         Measurements, as of `compare_models`.
+    laws
+        Names of laws of contact, of `LAWS` and `microimpact.model.empirical.shapes.EDGE`.
     draws
         Number of contacts, shared among the laws by weight.
     seed
@@ -164,8 +168,11 @@ def calibrate_laws(
     if contact.damped_attachment:
         raise ValueError("contact must be one without damped_attachment: laws are drawn without it")
     _require_single(contact, draws, seed)
+    for name in laws:
+        if name not in DRAWN:
+            raise ValueError(f"laws: {name!r} must be one of {'; '.join(DRAWN)}")
     measured = (v, e, sigma, sigma_v, d, size_scatter)
-    comparison = compare_models(*measured, models=LAWS)
+    comparison = compare_models(*measured, models=laws)
     data = sorted_data(*measured)
     if comparison.diameter is not None:
         contact = contact.replace(diameter=comparison.diameter)
@@ -295,14 +302,14 @@ def _contacts(law: str, contact: Contact, points: FloatArray, reference: float) 
         low * (high / low) ** (points[:, k] / max(size - 1, 1))
         for k, (low, high, size) in enumerate(axes, 1)
     )
-    v_c, model = points[:, -1], shapes.contact(law, first, second)
+    n = np.interp(points[:, 0], *_rates(law))
+    v_c, model = points[:, -1], shapes.contact(law, first, second, n)
     # Speeds of contacts that are alike go as w_A^(5/6).
     slow = contact.replace(work_of_adhesion=1.0, law=None)
     ratio = v_c / capture_velocity(model) * model.velocity_scale / slow.velocity_scale
     work = ratio**1.2
     sized = slow.replace(work_of_adhesion=work)
     if model.law is None:
-        n = np.interp(points[:, 0], *_rates(law))
         hertz, adhesion = (group / sized.velocity_scale for group in model.groups)
         return sized.replace(
             hertz_damping=hertz,
@@ -314,7 +321,13 @@ def _contacts(law: str, contact: Contact, points: FloatArray, reference: float) 
         each.equilibrium_contact_radius**2 / each.hertz_radius for each in (sized, model)
     )
     adhesion = work / shapes.WORK
+    edge, edge_of_model = (
+        each.velocity_scale * each.hertz_radius / each.equilibrium_contact_radius
+        for each in (sized, model)
+    )
     scale = {
+        "edge_speed": edge / edge_of_model,
+        "edge_exponent": 1.0,
         "viscous_time": length / sized.velocity_scale / (length_of_model / model.velocity_scale),
         "yield_pressure": adhesion * length_of_model / length,
         "unloading_work": adhesion,

@@ -25,6 +25,7 @@ from microimpact import (
     tabulate,
     trajectory,
 )
+from microimpact.model.contact_laws import EDGE_SPEEDS
 from microimpact.model.dynamics.normal import normal_impact
 
 settings.register_profile("interface", deadline=None, max_examples=60, derandomize=True)
@@ -86,7 +87,7 @@ def by_other_laws(draw):
         ThorntonNing(yield_pressure=pressure),
         Hysteresis(unloading_work=work * draw(decades(0.0, 2.0))),
         MaugisBarquins(
-            edge_speed=float(bare.velocity_scale) * draw(decades(-4.0, 8.0)),
+            edge_speed=min(float(bare.velocity_scale) * draw(decades(-4.0, 8.0)), EDGE_SPEEDS[1]),
             edge_exponent=draw(st.floats(0.05, 2.0)),
             viscous_time=draw(st.sampled_from([0.0, time])),
         ),

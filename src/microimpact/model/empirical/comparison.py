@@ -167,6 +167,8 @@ CANDIDATES = {
     "Eq. 34, q free": Candidate(5, None),
     "Eq. 34, q = 1/2": Candidate(4, None, 0.5),
 } | {name: Candidate(law.free + 1, name) for name, law in shapes.LAWS.items()}
+# Models of the average whose coverage benchmarks/coverage has.
+AVERAGED = tuple(name for name in CANDIDATES if name != shapes.EDGE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -302,7 +304,7 @@ def compare_models(
     confidence
         Coverage of the intervals, in (0, 1).
     models
-        Names of the models to be tried, of `CANDIDATES`; None: all.
+        Names of the models to be tried, of `CANDIDATES`; None: those of `AVERAGED`.
     tails
         Degrees of freedom of Student's t, 1 or more, by which e scatters, so that stray rows count
         little; ``"free"``: to be found; None: e is normal. Sigma is then its scale, which is found
@@ -359,7 +361,7 @@ def compare_sets(
     for name in models or ():
         if name not in CANDIDATES:
             raise ValueError(f"models: {name!r} must be one of {'; '.join(CANDIDATES)}")
-    candidates = {name: CANDIDATES[name] for name in models or CANDIDATES}
+    candidates = {name: CANDIDATES[name] for name in models or AVERAGED}
     comparisons: dict[int, Comparison] = {}
     for (_, count, known, _), members in alike.items():
         numbers, parts, rows, diameters = zip(*members, strict=True)

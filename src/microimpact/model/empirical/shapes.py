@@ -21,7 +21,13 @@ import numpy as np
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
-from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
+from microimpact.model.contact_laws import (
+    EDGE_SPEEDS,
+    JKR,
+    Hysteresis,
+    MaugisBarquins,
+    ThorntonNing,
+)
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.empirical.data import DataSets, Places
@@ -63,20 +69,24 @@ class Law:
     axes
         First and last value and number of places of two parameters.
     contact
-        Contact (m, 1) of two parameters (m, 1); None: e is the first parameter times
-        sqrt(1 - (v_c/v)^2).
+        Contact (m, 1) of two parameters (m, 1) and of the exponent n; None: e is the first
+        parameter times sqrt(1 - (v_c/v)^2).
     exponent_of_size
-        Exponent in d of the first parameter in units of the contact, of given materials: E*, w_A
-        and density alone make a speed ~ d^(-5/6), a time ~ d^(7/6), a pressure ~ d^(-1/3).
+        Exponent in d of the first parameter in units of the contact, of given materials, by n: E*,
+        w_A and density alone make a speed ~ d^(-5/6), a time ~ d^(7/6), a pressure ~ d^(-1/3).
+    growth
+        The same of the second parameter; that of a damping by rate follows from the exponents.
     exponents
-        The same of n, by which the adhesion damping falls with speed; it is given at v_c.
+        The same of n, by which the adhesion damping falls with speed, and which is given at v_c; or
+        of the edge.
     starts
         Where searches begin, as shares of the axes of n and the two parameters.
     """
 
     axes: tuple[Axis, Axis]
-    contact: Callable[[Real, Real], Contact] | None
-    exponent_of_size: float = 0.0
+    contact: Callable[[Real, Real, Real], Contact] | None
+    exponent_of_size: Callable[[FloatArray], FloatArray | float] = lambda _: 0.0
+    growth: float = 0.0
     exponents: Axis = (0.0, 0.0, 1)
     starts: tuple[tuple[float, ...], ...] = ((0.0, 0.2, 0.0), (0.0, 0.5, 0.0), (0.0, 0.8, 0.0))
 
@@ -95,17 +105,31 @@ class Law:
 _OVERDAMPED = 1.15
 
 
-def _ring(hertz: Real, adhesion: Real) -> Contact:
+def _ring(hertz: Real, adhesion: Real, _: Real) -> Contact:
     """Contact of C_H and of C_A at v_c, the latter over its distance from overdamping."""
     group = _OVERDAMPED * adhesion / (1.0 + adhesion)
     return _ANY.replace(hertz_damping=hertz / _SPEED, adhesion_damping=group / _SPEED)
+
+
+# A viscous time from which on hardly anything leaves, s.
+_OVERVISCOUS = 2e-8
+EDGE = "edge JKR"
+
+
+def _edge(strength: Real, bulk: Real, exponent: Real) -> Contact:
+    """Contact of v_c ~ ``strength`` where that is large, and of a viscous time like `_ring`."""
+    speed = _SPEED * np.asarray(strength) ** (-(1.2 - 0.6 * exponent) / exponent)
+    time = _OVERVISCOUS * np.asarray(bulk) / (1.0 + np.asarray(bulk))
+    speed = np.clip(speed, *EDGE_SPEEDS)
+    law = MaugisBarquins(edge_speed=speed, edge_exponent=exponent, viscous_time=time)
+    return _ANY.replace(law=law)
 
 
 LAWS = {
     "ring force": Law(
         axes=((1e-5, 0.4, TWO), DAMPING_AXIS),
         contact=_ring,
-        exponent_of_size=SPEED_BY_SIZE,
+        exponent_of_size=lambda _: SPEED_BY_SIZE,
         exponents=(0.0, 2.0, 9),
         starts=tuple(
             (n, *shares)
@@ -115,31 +139,46 @@ LAWS = {
     ),
     "viscous JKR": Law(
         axes=((1e-11, 2e-8, ONE), NONE),
-        contact=lambda time, _: _ANY.replace(law=JKR(viscous_time=time)),
-        exponent_of_size=-7.0 / 6.0,
+        contact=lambda time, *_: _ANY.replace(law=JKR(viscous_time=time)),
+        exponent_of_size=lambda _: -7.0 / 6.0,
     ),
     "Thornton-Ning": Law(
         axes=((5e7, 2e10, KINKED), NONE),
-        contact=lambda pressure, _: _ANY.replace(law=ThorntonNing(yield_pressure=pressure)),
-        exponent_of_size=1.0 / 3.0,
+        contact=lambda pressure, *_: _ANY.replace(law=ThorntonNing(yield_pressure=pressure)),
+        exponent_of_size=lambda _: 1.0 / 3.0,
     ),
     "hysteresis": Law(
         axes=((0.1, 1e3, ONE), NONE),
-        contact=lambda work, _: _ANY.replace(law=Hysteresis(unloading_work=work)),
+        contact=lambda work, *_: _ANY.replace(law=Hysteresis(unloading_work=work)),
     ),
     "fixed loss": Law(axes=((0.01, 1.0, ONE), NONE), contact=None),
+    # The speed c of the edge has a unit ~ d^(-1/2), which is a power of the strength.
+    EDGE: Law(
+        axes=((0.03, 30.0, 20), DAMPING_AXIS),
+        contact=_edge,
+        exponent_of_size=lambda m: -0.5 * m / (1.2 - 0.6 * m),
+        growth=-7.0 / 6.0,
+        exponents=(0.25, 1.25, 11),
+        starts=tuple(
+            (n, *shares)
+            for n in (0.2, 0.7)
+            for shares in ((0.8, 0.3), (0.5, 0.5), (0.3, 0.7), (0.8, 0.7))
+        ),
+    ),
 }
 
 
-def contact(name: str, first: FloatArray, second: FloatArray) -> Contact:
-    """Contact of the tables by two parameters of a law other than a fixed loss.
+def contact(
+    name: str, first: FloatArray, second: FloatArray, exponent: FloatArray | float = 0.0
+) -> Contact:
+    """Contact of the tables by two parameters of a law other than a fixed loss, and its exponent.
 
     Parameters
     ----------
     name
         One of ``LAWS``.
-    first, second
-        Its two parameters, in the units of the tables.
+    first, second, exponent
+        Its two parameters, in the units of the tables, and n; the rate of a ring force is apart.
 
     Raises
     ------
@@ -149,7 +188,7 @@ def contact(name: str, first: FloatArray, second: FloatArray) -> Contact:
     law = LAWS[name].contact
     if law is None:
         raise ValueError(f"{name} is no law of contact")
-    return law(first, second)
+    return law(first, second, exponent)
 
 
 @cache
@@ -179,17 +218,18 @@ def restitutions(name: str) -> FloatArray:
     if law.contact is None:
         return (firsts[:, None] * np.sqrt(1.0 - ratio**-2))[None, :, None]
     first, second = (axis.reshape(-1, 1) for axis in np.meshgrid(firsts, seconds, indexing="ij"))
-    limit = capture_velocity(law.contact(first, second))
-    leaves = np.isfinite(limit).ravel()
-    contact = law.contact(first[leaves], second[leaves])
-    e = np.zeros((rates.size, leaves.size, ratio.size))
+    e = np.zeros((rates.size, first.size, ratio.size))
     for n, rate in enumerate(rates):
-        slowed = contact.replace(adhesion_rate_exponent=rate, reference_velocity=limit[leaves])
-        faster = normal_impact(slowed, limit[leaves] * ratio[1:])
+        limit = capture_velocity(law.contact(first, second, rate))
+        leaves = np.isfinite(limit).ravel()
+        contact = law.contact(first[leaves], second[leaves], rate)
+        if contact.law is None:
+            contact = contact.replace(adhesion_rate_exponent=rate, reference_velocity=limit[leaves])
+        faster = normal_impact(contact, limit[leaves] * ratio[1:])
         e[n, leaves, 1:] = faster.coefficient_of_restitution
-    # Beyond the last contact that anything leaves, all are like it.
-    kept = np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))
-    return np.asarray(e[:, kept].reshape(rates.size, firsts.size, seconds.size, -1))
+        # Beyond the last contact that anything leaves, all are like it.
+        e[n] = e[n, np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))]
+    return np.asarray(e.reshape(rates.size, firsts.size, seconds.size, -1))
 
 
 def exponents(name: str) -> FloatArray:
@@ -200,19 +240,24 @@ def exponents(name: str) -> FloatArray:
     if law.contact is None:
         return np.full(shape, -SPEED_BY_SIZE)
     first, second = (axis.reshape(-1, 1) for axis in np.meshgrid(firsts, seconds, indexing="ij"))
-    contact, step = law.contact(first, second), 1.01
-    changes = [{}, {"diameter": step * _ANY.diameter}]
-    if rates.size > 1:
-        changes.append({"adhesion_damping": step * contact.adhesion_damping})
-    limits = [np.ravel(capture_velocity(contact.replace(**change))) for change in changes]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        by_size, *by_damping = (np.log(limit / limits[0]) / np.log(step) for limit in limits[1:])
-        # Of a smaller sphere, whose v_c is higher, damping at v_c is less.
-        slowed = 1.0 + np.multiply.outer(rates, by_damping[0] if by_damping else 0.0 * by_size)
-        exponent = np.minimum(-by_size / slowed, STEEPEST)
-    leaves = np.isfinite(exponent).all(axis=0)
-    kept = np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))
-    return np.asarray(exponent[:, kept].reshape(shape))
+    step, exponent = 1.01, np.zeros((rates.size, first.size))
+    for n, rate in enumerate(rates):
+        contact = law.contact(first, second, rate)
+        changes = [{}, {"diameter": step * _ANY.diameter}]
+        if contact.law is None:
+            changes.append({"adhesion_damping": step * contact.adhesion_damping})
+        limits = [np.ravel(capture_velocity(contact.replace(**change))) for change in changes]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            by_size, *by_damping = (
+                np.log(limit / limits[0]) / np.log(step) for limit in limits[1:]
+            )
+            # Of a smaller sphere, whose v_c is higher, damping at v_c is less.
+            slowed = 1.0 + rate * by_damping[0] if by_damping else 1.0
+            exponent[n] = np.minimum(-by_size / slowed, STEEPEST)
+        leaves = np.isfinite(limits).all(axis=0)
+        kept = np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))
+        exponent[n] = exponent[n, kept]
+    return exponent.reshape(shape)
 
 
 def by_size(name: str) -> FloatArray:
@@ -220,11 +265,12 @@ def by_size(name: str) -> FloatArray:
     law = LAWS[name]
     low, high, count = law.axes[0]
     exponent = exponents(name)
-    shift = law.exponent_of_size * (count - 1) / np.log(high / low) if count > 1 else 0.0
+    rates = law.values[0][:, None, None]
+    shift = law.exponent_of_size(rates) * (count - 1) / np.log(high / low) if count > 1 else 0.0
     # The adhesion damping falls with v_c^n, and its unit with the speed of the contact.
-    growth = SPEED_BY_SIZE + law.values[0][:, None, None] * exponent
-    growth = growth if law.contact is _ring else np.zeros_like(exponent)
-    return np.stack([exponent, np.full_like(exponent, shift), growth], axis=-1)
+    growth = SPEED_BY_SIZE + rates * exponent if law.contact is _ring else law.growth
+    columns = (np.broadcast_to(x, exponent.shape) for x in (exponent, shift, growth))
+    return np.stack([*columns], axis=-1)
 
 
 def places(ratio: FloatArray) -> FloatArray:

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
+from microimpact.model.contact_laws import JKR, Hysteresis, MaugisBarquins, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical import shapes
 from microimpact.model.empirical.comparison import compare_models
 from microimpact.model.empirical.data import in_own_units
+from microimpact.model.posterior import calibrate_laws
 
 NO_STARTS = np.empty((0, 0, 0))
 RATIO = np.geomspace(1.001, 300.0, 40)
@@ -30,9 +31,10 @@ def test_between_its_places_a_table_is_the_integration(name):
             np.array([first * (last / first) ** share])
             for share, (first, last, _) in zip(shares[1:], law.axes, strict=True)
         ]
-        contact = law.contact(*numbers)
+        contact = law.contact(*numbers, rate)
         limit = capture_velocity(contact)
-        contact = contact.replace(adhesion_rate_exponent=rate, reference_velocity=limit)
+        if contact.law is None:
+            contact = contact.replace(adhesion_rate_exponent=rate, reference_velocity=limit)
         exact = simulate(contact, limit * RATIO).coefficient_of_restitution
         assert np.allclose(shapes.restitution(name, at, RATIO), exact, atol=2e-3)
 
@@ -49,6 +51,29 @@ def held(name, v, e, weight, v_c):
     """Search with these v_c held, in the unit of v."""
     data = in_own_units(v[None], e[None], np.full((1, v.size), weight), None)
     return shapes.profile(name, data, np.zeros(v_c.size, int), v_c / data.unit, NO_STARTS)
+
+
+def test_the_edge_is_tried_where_it_is_named(contact):
+    """Its capture velocity and the exponent of that in d; the average of all is without it."""
+    law = MaugisBarquins(edge_speed=0.05, edge_exponent=0.75, viscous_time=9e-9)
+    other = contact.by_law(law, 0.1)
+    limit = float(capture_velocity(other))
+    speed = limit * np.geomspace(1.05, 15.0, 20)
+    e = simulate(other, speed).coefficient_of_restitution
+    best, _ = compare_models(speed, e, 0.01, models=[shapes.EDGE, "ring force"]).models
+    assert best.name == shapes.EDGE
+    assert best.interval[0] < limit < best.interval[1]
+    sizes = other.replace(diameter=other.diameter * np.array([1.0, 1.02]))
+    exponent = np.diff(np.log(capture_velocity(sizes)))[0] / np.log(1.02)
+    assert best.size_exponent == pytest.approx(exponent, abs=0.05)
+    assert shapes.EDGE not in {m.name for m in compare_models(speed, e, 0.01).models}
+    drawn = calibrate_laws(contact, speed, e, 0.01, laws=[shapes.EDGE], draws=40)
+    low, high = np.quantile(drawn.of_all(capture_velocity), [0.01, 0.99])
+    assert low < limit < high
+    fitted = simulate(drawn.best[shapes.EDGE], speed).coefficient_of_restitution
+    assert np.allclose(fitted, e, atol=0.02)
+    with pytest.raises(ValueError, match="laws: 'fixed loss' must be one of"):
+        calibrate_laws(contact, speed, e, laws=["fixed loss"])
 
 
 @pytest.mark.parametrize("name", OTHERS)
