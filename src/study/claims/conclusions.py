@@ -21,7 +21,7 @@ from study.declared.parameters import (
     "C40",
     "Final spins reach the order of 1e3 rad/s.",
     says=(
-        "The largest final spin is {largest_final_spin}; the printed order is "
+        "The largest final spin is {largest_final_spin}; the printed order means "
         "{largest_final_spin:bound}."
     ),
     where="6",

@@ -12,7 +12,7 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Concatenate, Literal, ParamSpec
 
 from microimpact.core.computable import NotComputable
 from study import analyses
@@ -85,6 +85,7 @@ STEEL_LAWS = {
 }
 
 Draw = Callable[["Sheet"], None]
+Words = ParamSpec("Words")
 # What a finding states of the curves of its figure, by name; None if they do not bear it.
 Stated = Mapping[str, float] | None
 # Fields whose texts take parameters of the analysis.
@@ -125,15 +126,11 @@ class Remark:
         return re.sub(r"(?<=\d)%", " %", re.sub(r"(?<!\S)-(?=\d)", "−", text))
 
 
-def _no_drawing(sheet: Sheet) -> None:
-    raise NotImplementedError(f"{sheet.declared.name}: nothing draws it")
-
-
 @dataclass(frozen=True, slots=True)
 class Figure:
     """One figure: its words, the figure data it is drawn from, its panels, and its drawing.
 
-    As a decorator it declares the figure that a function draws on a sheet. ``[[name]]`` in any text
+    `figure` declares one, as a decorator of the function that draws it. ``[[name]]`` in any text
     is a parameter of the analysis, see `documents.filled`. `article` says what the article shows
     there; it is empty for a figure of our own. `equations` are those of the article that the figure
     shows or rests on, by their numbers in the ledger, separated by commas. `tables` are those of
@@ -148,6 +145,7 @@ class Figure:
     printed.
     """
 
+    draw: Draw
     name: str
     title: str
     caption: str
@@ -170,17 +168,11 @@ class Figure:
     columns: int | None = None
     views: Mapping[str, str] = field(default_factory=dict)
     is_schematic: bool = False  # A drawing of parts, not a plot of one quantity over another
-    draw: Draw = _no_drawing
 
     def __post_init__(self) -> None:
         """Put texts of several lines into one."""
         for key in ("caption", "article", "finding", "method", "as_shipped", "contact"):
             object.__setattr__(self, key, " ".join(getattr(self, key).split()))
-
-    def __call__(self, draw: Draw) -> Draw:
-        """Register the function that draws the figure."""
-        FIGURES[self.name] = replace(self, draw=draw)
-        return draw
 
     @property
     def analysis(self) -> str:
@@ -251,6 +243,24 @@ class Figure:
             "equations": list(filter(None, self.equations.split(", "))),
             "drawing": f"{self.draw.__module__}.{self.draw.__name__}",
         }
+
+
+def _declaring(
+    make: Callable[Concatenate[Draw, Words], Figure],
+) -> Callable[Words, Callable[[Draw], Draw]]:
+    def with_words(*words: Words.args, **more: Words.kwargs) -> Callable[[Draw], Draw]:
+        def declared(draw: Draw) -> Draw:
+            made = make(draw, *words, **more)
+            FIGURES[made.name] = made
+            return draw
+
+        return declared
+
+    return with_words
+
+
+# Decorator that declares the figure that a function draws on a sheet, by the words of a `Figure`.
+figure = _declaring(Figure)
 
 
 @cache

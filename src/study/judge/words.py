@@ -133,7 +133,11 @@ class Place:
             test |= {end: _rounded(scale, test[end]) for end in ("low", "high") if test[end] != ""}
             return in_unit(bounds(test).replace("-", "−"), unit)
         values = [scale * float(row["value"]) for row in self.results]
-        low, high = (readable(end, rounding=ROUNDING) for end in (min(values), max(values)))
+        low, high = (
+            # One digit more tells nearly all from all
+            readable(end, rounding=ROUNDING, digits=DIGITS + (unit == "%" and 99.9 < end < 100.0))
+            for end in (min(values), max(values))
+        )
         return in_unit(low if low == high else f"{low} to {high}", unit)
 
 

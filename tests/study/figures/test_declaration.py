@@ -20,7 +20,7 @@ WORDS = {"finding": "They meet at [[a]].", "method": "By fits.", "as_shipped": "
 
 
 def figure(panels, **words):
-    return Figure("fig14", "Trends", "Curves.", panels, data=("fig14",), **words)
+    return Figure(print, "fig14", "Trends", "Curves.", panels, data=("fig14",), **words)
 
 
 def sheet(panels, rows=(), **words):
@@ -57,7 +57,7 @@ def test_what_only_holds_as_shipped_goes_with_the_inputs():
 
 def test_a_name_in_the_words_that_is_no_parameter_is_refused():
     with pytest.raises(ConfigError, match=r"fig14\.caption: no parameter 'f' "):
-        Figure("fig14", "t", "[[f]]", {}, data=("d",)).filled({"g": 1}, {})
+        Figure(print, "fig14", "t", "[[f]]", {}, data=("d",)).filled({"g": 1}, {})
 
 
 @pytest.mark.parametrize(

@@ -96,7 +96,7 @@ def faces(y):
 
 
 def test_a_finding_without_a_check_or_without_its_curve_is_not_shown():
-    figure = Figure("fig14", "t", "c", {}, data=("d",), finding="Said.")
+    figure = Figure(print, "fig14", "t", "c", {}, data=("d",), finding="Said.")
     assert figure.checked({}).finding == ""
     absent = replace(figure, holds=lambda y: stated(y("none").any()))
     assert absent.checked({}).finding == ""

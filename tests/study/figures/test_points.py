@@ -81,7 +81,7 @@ def test_the_key_tells_the_distance_from_the_curve_of_the_name(drawn, coulomb):
     ],
 )
 def test_a_point_that_an_axis_cannot_show_is_refused(tmp_path, point, message):
-    words = Figure("fig14", "Trends", "Curves.", {"p": ""}, data=("fig14",))
+    words = Figure(print, "fig14", "Trends", "Curves.", {"p": ""}, data=("fig14",))
     columns = ["panel", "series", "evidence", "x_m", "y_1", "y_low", "y_high"]
     curve = pd.DataFrame([("p", "a", "computed", 1.0, 1.0, None, None)], columns=columns)
     path = tmp_path / "fig14.csv"

@@ -9,8 +9,8 @@ from study.figures.declaration import (
     RESTITUTION,
     TWO_STAGES,
     WORK_OF_ADHESION,
-    Figure,
     Series,
+    figure,
     stated,
 )
 
@@ -27,7 +27,7 @@ def two_numbers_leave_a_range(y: Curves) -> Stated:
     return stated(all(w.nunique() > 1 for w in works), least=least, greatest=greatest)
 
 
-@Figure(
+@figure(
     "ridge",
     "What two numbers leave open for [[two_stage.members.pair]]",
     """

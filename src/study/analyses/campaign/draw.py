@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from study.figures.declaration import ANGLE, Figure, stated
+from study.figures.declaration import ANGLE, figure, stated
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +38,7 @@ def all_fail_at_shallow_angles(y: Curves) -> Stated:
     return stated(slow, few=few, all=len(table) - few, steepest=steepest)
 
 
-@Figure(
+@figure(
     "campaign_map",
     "All experiments of the campaign",
     """

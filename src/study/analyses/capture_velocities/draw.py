@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from study.figures.declaration import CAPTURE_VELOCITY, TWO_STAGES, Figure, Series, stated
+from study.figures.declaration import CAPTURE_VELOCITY, TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,7 +46,7 @@ def criterion_misses(y: Curves) -> Stated:
     return stated(max(factors) > 10.0, most=max(factors))
 
 
-@Figure(
+@figure(
     "capture_laws",
     "Capture velocity against diameter by competing laws",
     """

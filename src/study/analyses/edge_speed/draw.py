@@ -9,8 +9,8 @@ from study.figures.declaration import (
     NORMAL_SPEED,
     RESTITUTION,
     TWO_STAGES,
-    Figure,
     Series,
+    figure,
     stated,
 )
 
@@ -38,7 +38,7 @@ def no_plateau_at_the_printed_velocity(y: Curves) -> Stated:
     return stated(min(falls) > allowed, least=min(falls), most=max(falls))
 
 
-@Figure(
+@figure(
     "plateau_by_edge",
     "Plateau and capture velocity of a contact whose edge opens by its own speed",
     """

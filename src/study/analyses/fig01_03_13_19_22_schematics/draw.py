@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import Figure
+from study.figures.declaration import figure
 
 if TYPE_CHECKING:
     from study.figures.style import Sheet
 
 
-@Figure(
+@figure(
     "fig01",
     "Set-up of the oblique impacts",
     """
@@ -66,7 +66,7 @@ def draw_fig01(sheet: Sheet) -> None:
     parts.key(sheet)
 
 
-@Figure(
+@figure(
     "fig02",
     "Set-up of the normal impacts",
     """
@@ -118,7 +118,7 @@ def draw_fig02(sheet: Sheet) -> None:
     parts.key(sheet)
 
 
-@Figure(
+@figure(
     "fig03",
     "Variables of a planar impact",
     """
@@ -162,7 +162,7 @@ def draw_fig03(sheet: Sheet) -> None:
     parts.key(sheet)
 
 
-@Figure(
+@figure(
     "fig13",
     "Free body diagram of the rigid body model",
     """
@@ -217,7 +217,7 @@ def draw_fig13(sheet: Sheet) -> None:
     parts.key(sheet)
 
 
-@Figure(
+@figure(
     "fig19",
     "Stresses on the contact at its greatest compression",
     """
@@ -267,7 +267,7 @@ def draw_fig19(sheet: Sheet) -> None:
     parts.key(sheet)
 
 
-@Figure(
+@figure(
     "fig22",
     "Angles on a wavy surface",
     """

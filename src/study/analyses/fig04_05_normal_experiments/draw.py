@@ -12,8 +12,8 @@ from study.figures.declaration import (
     NORMAL_SPEED,
     RESTITUTION,
     TWO_STAGES,
-    Figure,
     Series,
+    figure,
     stated,
 )
 
@@ -50,7 +50,7 @@ def larger_keep_theirs(y: Curves) -> Stated:
     return stated(large.index[0] < small.index[0] and all(overstated))
 
 
-@Figure(
+@figure(
     "fig04",
     "Restitution of sieve classes, as a PDPA would measure it",
     """
@@ -112,7 +112,7 @@ def smaller_lose_more(y: Curves) -> Stated:
     return stated(more.all() and small.max() > 0.9, most=100.0 * small.max())
 
 
-@Figure(
+@figure(
     "fig05",
     "Energy loss of sieve classes, as a PDPA would measure it",
     """

@@ -14,8 +14,8 @@ from study.figures.declaration import (
     OVER_ANGLE,
     RESTITUTION,
     TWO_STAGES,
-    Figure,
     Series,
+    figure,
     stated,
 )
 
@@ -144,7 +144,7 @@ def roughness_alone_raises(y: Curves) -> Stated:
     return stated((front - back).abs().max() < 0.01 and most > 1.0, back=most)
 
 
-@Figure(
+@figure(
     "fig06",
     "Front and back of [[series.silicon front.case.surface]] at [[series.silicon front.speed_m_per_s:.2f]] m/s, as a PTIS would measure it",
     """
@@ -201,7 +201,7 @@ def faces_differ(y: Curves) -> Stated:
     return stated(front - back > 0.01 and is_rough, front=front, back=back)
 
 
-@Figure(
+@figure(
     "fig07",
     "Front and back of [[series.mirror front.case.surface]] at [[series.mirror front.speed_m_per_s:.2f]] m/s, as a PTIS would measure it",
     """
@@ -247,7 +247,7 @@ def restitution_falls_with_speed(y: Curves) -> Stated:
     )
 
 
-@Figure(
+@figure(
     "fig08",
     "Restitution at several speeds, as a PTIS would measure it",
     """
@@ -295,7 +295,7 @@ def spin_lowers_adhesion_raises(y: Curves) -> Stated:
     )
 
 
-@Figure(
+@figure(
     "fig09",
     "Impulse ratio at several speeds, as a PTIS would measure it",
     """
@@ -340,7 +340,7 @@ def slow_lose_more(y: Curves) -> Stated:
     return stated(more, slow=100.0 * slow.max(), fast=100.0 * fast.max())
 
 
-@Figure(
+@figure(
     "fig10",
     "Energy loss at several speeds, as a PTIS would measure it",
     """
@@ -377,7 +377,7 @@ def spores_rise_and_do_not_fall(y: Curves) -> Stated:
     return stated(spore.max() > 1.0 > steel.max() and is_flat, high=ends[0], low=ends[1])
 
 
-@Figure(
+@figure(
     "fig11",
     "Rebounds of [[series.spore on silicon.case.pair]] and [[series.steel on silicon.case.pair]], as a PTIS would measure them",
     """
@@ -435,7 +435,7 @@ def both_seem_faster(y: Curves) -> Stated:
     return stated(exceeds and least > 0.0, least=100.0 * least, most=100.0 * most)
 
 
-@Figure(
+@figure(
     "fig12",
     "Rebounds of [[series.spore on Formica.case.pair]] and [[series.steel on Formica.case.pair]], as a PTIS would measure them",
     """

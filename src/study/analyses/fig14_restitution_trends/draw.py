@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import NORMAL_SPEED, Figure, Series, stated
+from study.figures.declaration import NORMAL_SPEED, Series, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -18,7 +18,7 @@ def slower_lose_more(y: Curves) -> Stated:
     return stated((share.diff().iloc[1:] < 0.0).all())
 
 
-@Figure(
+@figure(
     "fig14",
     "Trends of the coefficients of restitution and adhesion",
     """

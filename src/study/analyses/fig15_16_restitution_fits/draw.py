@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, Figure, Series, stated
+from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -85,7 +85,7 @@ def fits_err_and_ratios_leave_a_range(y: Curves) -> Stated:
     return stated(holds, most=max(errors), low=low, high=high)
 
 
-@Figure(
+@figure(
     "fig15",
     "Restitution of several pairs near capture, and fits of the empirical equations",
     """
@@ -137,7 +137,7 @@ def both_fits_err(y: Curves) -> Stated:
     return stated(min(errors) > 0.0, least=min(errors), most=max(errors))
 
 
-@Figure(
+@figure(
     "fig16",
     "Restitution of calibrated contacts, and fits of the empirical equations",
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, Figure, Series, stated
+from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, Series, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -19,7 +19,7 @@ def slides_then_rolls(y: Curves) -> Stated:
     return stated(slides and ends.pop("0") < 1e-9 and min(ends.values()) > 0.01)
 
 
-@Figure(
+@figure(
     "fig17",
     "Impulse ratio for Coulomb friction in the rigid body model",
     """

@@ -9,8 +9,8 @@ from study.figures.declaration import (
     IMPULSE_RATIO,
     OVER_ANGLE,
     TWO_STAGES,
-    Figure,
     Series,
+    figure,
     stated,
 )
 
@@ -26,7 +26,7 @@ def adhesion_raises_friction(y: Curves) -> Stated:
     return stated(ratio.iloc[0] > 1.05 * rigid.max(), most=ratio.max())
 
 
-@Figure(
+@figure(
     "fig18",
     "Impulse ratio against the angle, rigid body model and simulation",
     """
@@ -87,7 +87,7 @@ def spin_is_counted_as_lost(y: Curves) -> Stated:
     return stated(excess.min() > -1e-9 and excess.max() > 0.01, most=excess.max())
 
 
-@Figure(
+@figure(
     "fig21",
     "Energy loss against the angle, with and without the energy of the spin",
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import Figure, Series, stated
+from study.figures.declaration import Series, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -24,7 +24,7 @@ def attracts_at_both_ends(y: Curves) -> Stated:
     return stated(attracts and damping[:peak].abs().max() < 0.01 * damping.abs().max())
 
 
-@Figure(
+@figure(
     "fig20",
     "Normal force during an impact, and its terms",
     """

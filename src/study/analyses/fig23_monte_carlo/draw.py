@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, TWO_STAGES, Figure, Series, stated
+from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -19,7 +19,7 @@ def slopes_raise_the_mean(y: Curves) -> Stated:
     return stated(rise > 0.1 and smooth[angle] < 0.0, angle=angle, rise=rise)
 
 
-@Figure(
+@figure(
     "fig23",
     "Monte Carlo analysis of impacts on a rough surface",
     """

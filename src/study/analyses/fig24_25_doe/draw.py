@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from study.figures.declaration import TWO_STAGES, Figure, Series, stated
+from study.figures.declaration import TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,7 +59,7 @@ def nearly_a_power_law(y: Curves) -> Stated:
     return stated(leading == ["D", "C"] and share < 0.2, share=100.0 * share)
 
 
-@Figure(
+@figure(
     "fig24",
     "Effects of five factors on the capture velocity, realistic levels",
     """
@@ -118,7 +118,7 @@ def only_the_ratio_acts(y: Curves) -> Stated:
     return stated(opposite, effect=effects[0][0], other=effects[1][0])
 
 
-@Figure(
+@figure(
     "fig25",
     "Effects of five factors on the capture velocity, uniform levels",
     """

@@ -13,8 +13,8 @@ from study.figures.declaration import (
     STEEL_LAWS,
     TWO_STAGES,
     WORK_OF_ADHESION,
-    Figure,
     Series,
+    figure,
     stated,
 )
 
@@ -98,7 +98,7 @@ def laws_part_below(y: Curves) -> Stated:
     return stated(2.0 * agree < apart.max(), within=agree, most=apart.max())
 
 
-@Figure(
+@figure(
     "capture_velocity_summary",
     "Capture velocity of steel on silicon: what is printed, and what follows",
     """
@@ -152,7 +152,7 @@ def draw_capture_velocity_summary(sheet: Sheet) -> None:
     ax.tick_params(axis="y", length=0)
 
 
-@Figure(
+@figure(
     "capture_velocity_profile",
     "Likelihood of the capture velocity of steel on silicon, by law of contact",
     """
@@ -192,7 +192,7 @@ def draw_capture_velocity_profile(sheet: Sheet) -> None:
     sheet.keys()
 
 
-@Figure(
+@figure(
     "evidence",
     "Capture velocity and work of adhesion that the article's statements prefer, by law of contact",
     """
@@ -286,7 +286,7 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, *, named: bool) -> None:
         tick.set_fontweight("bold")
 
 
-@Figure(
+@figure(
     "posterior_bands",
     "Restitution that the article's statements prefer, by law of contact",
     """

@@ -8,9 +8,9 @@ from study.figures.declaration import (
     NOMINAL_SPEED,
     OVER_ANGLE,
     TWO_STAGES,
-    Figure,
     Mark,
     Series,
+    figure,
     stated,
 )
 
@@ -26,7 +26,7 @@ def unseen_rebounds_bias_the_mean(y: Curves) -> Stated:
     return stated(least < 50.0, most=100.0 - least)
 
 
-@Figure(
+@figure(
     "coverage_of_means",
     "How often a [[level:.0%]] interval contains the mean restitution",
     """

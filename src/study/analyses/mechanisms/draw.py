@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import ANGLE, OVER_ANGLE, TWO_STAGES, Figure, Series, stated
+from study.figures.declaration import ANGLE, OVER_ANGLE, TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -24,7 +24,7 @@ def spin_and_slopes_alone_do(y: Curves) -> Stated:
     return stated(is_spin and y("slopes", "spore").max() > 1.0 > smooth)
 
 
-@Figure(
+@figure(
     "causes",
     "Mechanisms proposed for the measured means, each alone",
     """

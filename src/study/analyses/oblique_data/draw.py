@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, Series, stated
+from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -32,7 +32,7 @@ def partial_slip_is_followed(y: Curves) -> Stated:
     return stated(2.0 * rms["mindlin"] < others, mindlin=rms["mindlin"], others=others)
 
 
-@Figure(
+@figure(
     "oblique_rebounds",
     "Oblique rebounds that others measured, and three laws of the contact along the surface",
     """

@@ -8,8 +8,8 @@ from study.figures.declaration import (
     NOMINAL_SPEED,
     NORMAL_SPEED,
     TWO_STAGES,
-    Figure,
     Series,
+    figure,
     stated,
 )
 
@@ -30,7 +30,7 @@ def printed_correction_is_biased(y: Curves) -> Stated:
     )
 
 
-@Figure(
+@figure(
     "doppler_pairs",
     "Pairs in the records of a phase Doppler particle analyser, and their correction to the surface",
     """

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from study.figures.declaration import Figure, Series, stated
+from study.figures.declaration import Series, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -22,7 +22,7 @@ def adhesion_falls_below_patches(y: Curves) -> Stated:
     return stated(crosses, crossing=float(np.interp(0.0, -excess, excess.index)))
 
 
-@Figure(
+@figure(
     "separation",
     "Separation force of a charged particle against the silica on it",
     """

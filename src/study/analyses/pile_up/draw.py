@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import TWO_STAGES, Figure, Series, stated
+from study.figures.declaration import TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -19,7 +19,7 @@ def bounces_pile_up(y: Curves) -> Stated:
     return stated(end > 2.0 * first, first=first, end=end)
 
 
-@Figure(
+@figure(
     "pile_up_onset",
     "Spheres that end on the target, by one impact and by repeated bounces",
     """

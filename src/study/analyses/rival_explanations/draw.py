@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, Figure, Series, stated
+from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -20,7 +20,7 @@ def probe_looks_like_adhesion(y: Curves) -> Stated:
     return stated(0.8 * min(starts) < probe < max(starts), probe=probe)
 
 
-@Figure(
+@figure(
     "rival_restitution",
     "Restitution that falls by adhesion, and by a probe above the surface",
     """

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from study.figures.declaration import OVER_ANGLE, TWO_STAGES, Figure, stated
+from study.figures.declaration import OVER_ANGLE, TWO_STAGES, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
@@ -37,7 +37,7 @@ def rolling_is_negligible(y: Curves) -> Stated:
     return stated(most < limit < min(map(min, curves["bound"])), most=100.0 * most)
 
 
-@Figure(
+@figure(
     "rolling",
     "Rolling resistance neglected in an impact",
     """

@@ -9,8 +9,8 @@ import numpy as np
 from study.figures.declaration import (
     MEASURED_IMPULSE_RATIO,
     MEASURED_RESTITUTION,
-    Figure,
     Series,
+    figure,
     stated,
 )
 
@@ -42,7 +42,7 @@ def expansion_holds_on_gentle_slopes(y: Curves) -> Stated:
     return stated(printed < corrected, printed=printed, corrected=corrected)
 
 
-@Figure(
+@figure(
     "roughness",
     "Coefficients measured on a slope, exact and by the article's equations",
     """

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from study.figures.declaration import TWO_STAGES, Figure, stated
+from study.figures.declaration import TWO_STAGES, figure, stated
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,7 +43,7 @@ def radius_leads(y: Curves) -> Stated:
     return stated(leads and least < 0.01)
 
 
-@Figure(
+@figure(
     "sobol",
     "Sobol' indices of the capture velocity, and effects of the designed experiments",
     """

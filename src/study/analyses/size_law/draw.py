@@ -8,8 +8,8 @@ from study.figures.declaration import (
     CAPTURE_VELOCITY,
     STEEL_LAWS,
     TWO_STAGES,
-    Figure,
     Series,
+    figure,
     stated,
 )
 
@@ -40,7 +40,7 @@ def rebounds_decide(y: Curves) -> Stated:
     return stated(needed.min() < 1000.0, rebounds=needed.min(), larger=float(str(needed.idxmin())))
 
 
-@Figure(
+@figure(
     "capture_by_size",
     "Capture velocity against the diameter, by law of contact, and the rebounds that decide",
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.figures.declaration import Figure, Series, stated
+from study.figures.declaration import Series, figure, stated
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,7 +20,7 @@ def one_frame_shows_both_legs(y: Curves) -> Stated:
     return stated(all(y(f"{leg} centroids").nunique() > 2 for leg in ("incident", "rebound")))
 
 
-@Figure(
+@figure(
     "ptis_frame",
     "A rendered frame of the imaging system and the track found in it",
     """
@@ -91,7 +91,7 @@ def gravity_matters(y: Curves) -> Stated:
     return stated(line > 10.0 * path, path=path, line=line)
 
 
-@Figure(
+@figure(
     "ptis_accuracy",
     "Errors of the speeds measured by the particle trajectory imaging system",
     """
