@@ -453,9 +453,9 @@ def c63(context: Context) -> Numbers:
     "C64",
     "The fall of restitution at low speeds is stronger for the smaller size class.",
     says=(
-        "The smaller class falls to [[plateau_share:g]] of its plateau at "
-        "{ratio_of_speeds_below_plateau} times the speed of the larger one; the interval begins "
-        "at {lower_end_of_its_interval}."
+        "From [[speeds_m_per_s.1:g]] to [[speeds_m_per_s.0:g]] m/s the smaller class falls by more "
+        "than the larger one by {difference_of_falls_over_half_width} half-widths of the "
+        "difference."
     ),
     where="2.3.1, Fig. 4",
     quote="This effect is more pronounced for smaller diameter particles",
