@@ -237,4 +237,4 @@ def test_without_drawn_contacts_claims_on_them_are_not_judged_by_the_calibrated(
     both = numbers(*GOOD, *(("C02", *row[1:]) for row in GOOD))
     ledger = judge(Lacking(claim_numbers=both, external_evidence=None))["claims"].set_index("id")
     assert ledger["verdict"].to_dict() == {"C01": "reproduced", "C02": "not computed"}
-    assert ledger.loc["C02", "note"] == "no contact is admitted"
+    assert ledger.loc["C02", "sentence"] == "no contact is admitted"
