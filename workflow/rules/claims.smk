@@ -19,7 +19,7 @@ use rule analysis as claim_numbers with:
 use rule analysis as claim_draws with:
     """tables/claim_draws.csv: numbers of claims for every contact that the printed statements admit."""
     input:
-        **tables("calibration", "posterior_contacts"),
+        **tables(*analyses.needs("claim_numbers", *analyses.analysis("claim_numbers").DRAWS_NEED)),
     output:
         **tables("claim_draws"),
     pathvars:

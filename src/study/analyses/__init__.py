@@ -42,13 +42,16 @@ def analysis(name: str) -> ModuleType:
     return import_module(homes()[name])
 
 
-def needs(name: str) -> dict[str, str]:
+def needs(name: str, *makers: str) -> dict[str, str]:
     """Return the tables of earlier analyses that one takes: the maker of each by its name.
+
+    Those of some makers, if any are named.
 
     Raises KeyError if there is no such analysis.
     """
     needed = getattr(analysis(name), "NEEDS", {})
-    return {table: maker for maker, tables in needed.items() for table in tables}
+    of_makers = {maker: tables for maker, tables in needed.items() if maker in (makers or needed)}
+    return {table: maker for maker, tables in of_makers.items() for table in tables}
 
 
 def printed(name: str) -> tuple[str, ...]:

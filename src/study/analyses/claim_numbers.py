@@ -50,6 +50,8 @@ NEEDS = {
     ),
     "fig23_monte_carlo": ("monte_carlo",),
 }
+# Makers of the tables that claims decided by drawn contacts read.
+DRAWS_NEED = ("calibration", "inference", "fig24_25_doe")
 PRINTED_VALUES = (
     "restitution_sst76_silicon",
     "capture_velocity_sst_silicon",
@@ -94,7 +96,7 @@ def run(params: Common, inputs: Tables) -> Tables:
 def drawn(params: Common, inputs: Tables) -> Tables:
     """Compute the numbers of the claims that drawn contacts decide, for every draw.
 
-    A rule of its own makes them: it waits for the inference, and for no other analysis.
+    A rule of its own makes them: it waits for the analyses of `DRAWS_NEED` alone.
 
     Parameters
     ----------

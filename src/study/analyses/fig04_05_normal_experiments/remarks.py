@@ -131,8 +131,9 @@ FIG04_DISAGREEMENT = (
     Remark(
         "Piles are reported at 0.2 to 0.3 m/s. Spheres bounce repeatedly, each time more "
         "slowly, so that half of all stay on a target of 5 mm radius already at {strong:.2f} "
-        "m/s if v_c is 0.18 m/s, and at {weak:.2f} m/s if it is 0.02 m/s. The observation "
-        "speaks for the lower value.",
+        "m/s if v_c is 0.18 m/s, and at {weak:.2f} m/s if it is 0.02 m/s. The lower value "
+        "agrees better, but target, scatter and stream are assumed, so that it decides nothing "
+        "(C66).",
         repeated_bounces_end_in_capture,
     ),
     Remark(

@@ -209,7 +209,8 @@ FIG06_DISAGREEMENT = (
     ),
     Remark(
         "Above 50° the rough back loses more energy, by {least:.1%} to {most:.1%}, not less. "
-        "Weaker adhesion on the back, which the article suspects, would reverse this.",
+        "With half the work of adhesion on the back, a chosen value, restitution and loss differ "
+        "as printed (C71, C73); its impulse ratio is still the higher one (C72).",
         slopes_raise_losses,
     ),
 )
@@ -246,7 +247,8 @@ FIG08_DISAGREEMENT = (
     Remark(
         "In the slowest class nothing rebounds below about 25°: {share:.0%} of the spheres are "
         "captured at 20°. The article reports rebounds with high restitution at normal speeds "
-        "below the capture velocity. In both models capture depends on the normal speed alone. "
+        "below the capture velocity. In both models capture depends on the normal speed alone, "
+        "so that the contact would need a capture velocity far below the printed ones (C16). "
         "Slopes could explain it, since most spheres then hit facets that face them.",
         slow_class_is_captured,
     ),
