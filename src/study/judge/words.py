@@ -78,7 +78,7 @@ def drawn_share(percents: Iterable[float], decided_by: str) -> str:
     ends = dict.fromkeys(f"{end:.0f}" for end in (min(percents), max(percents)))
     by = decided_by.partition(" (")[0]
     on = f", depending on the {by}" if by else ""
-    return f"Holds for {' to '.join(ends)} % of the drawn contacts{on}."
+    return f"The claim holds for {' to '.join(ends)} % of the drawn contacts{on}."
 
 
 def with_unit(text: str, unit: str) -> str:

@@ -129,7 +129,7 @@ def test_the_share_decides_in_the_ledger_and_the_cases_are_examples():
     assert row["shares"] == "40 % (31 to 50) with"
     assert row["decided_by"] == "friction (0.90)"
     assert row["sentence"].startswith(
-        "Holds for 40 % of the drawn contacts, depending on the friction. With the calibrated"
+        "The claim holds for 40 % of the drawn contacts, depending on the friction. With the"
     )
 
 

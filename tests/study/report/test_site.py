@@ -25,6 +25,7 @@ from study.report.site.figures import (
     SUBJECTS,
     departures,
     joined,
+    shows_article,
     studies_behind,
     upstream,
 )
@@ -82,6 +83,14 @@ def test_a_figure_of_the_article_begins_with_where_it_disagrees(site):
     )
     assert disagreement < text.index("Slopes alone lower restitution") < agreement < open_
     assert disagreement < text.index("claims.html#C72") < agreement
+
+
+def test_a_figure_of_other_impacts_is_not_compared_with_the_article(entries):
+    entry = entries["fig06"]
+    assert shows_article("fig06", entry)
+    other = entry | {"title": entry["title"].replace("silicon", "glass")}
+    assert not shows_article("fig06", other)
+    assert not shows_article("of nobody", other)
 
 
 def test_the_ledger_of_claims_in_one_file_keeps_its_schema(site, results):

@@ -6,12 +6,14 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlencode
 
 from study import analyses
 from study.figures.declaration import all_figures
 from study.report.site.ledgers import Row, read_rows
 from study.report.site.record import Record
+from study.run.study import settings_as_shipped
 from study.tables import ResultTables
 
 ARTICLE = re.compile(r"fig(\d\d)")
@@ -139,8 +141,9 @@ def figures(
     def figure(name: str) -> Figure:
         entry = record.figures[name]
         study, data = entry["analysis"], tuple(f"data/{table}.csv" for table in entry["data"])
-        declared_figure = all_figures().get(name)
-        compared = declared_figure.compared(tables_of_run) if declared_figure else ([], [])
+        disagreement, agreement = (
+            all_figures()[name].compared(tables_of_run) if shows_article(name, entry) else ([], [])
+        )
         tables = {f"tables/{table}.csv": words for table, words in entry.get("tables", {}).items()}
         return Figure(
             name=name,
@@ -150,8 +153,8 @@ def figures(
             finding=_line(finding(results / f"figures/{name}.csv")),
             **{key: _line(entry.get(key, "")) for key in ("caption", "method")},
             article=" ".join(entry.get("article", "").split()),
-            disagreement=[_line(words) for words in compared[0]],
-            agreement=[_line(words) for words in compared[1]],
+            disagreement=[_line(words) for words in disagreement],
+            agreement=[_line(words) for words in agreement],
             data=data,
             tables={file: words for file, words in tables.items() if (results / file).is_file()},
             evidence=_evidence([results / file for file in data]),
@@ -170,6 +173,19 @@ def figures(
         )
 
     return [figure(n) for n in sorted(there, key=lambda n: (not ARTICLE.fullmatch(n), n))]
+
+
+def shows_article(name: str, entry: Mapping[str, Any]) -> bool:
+    """Tell whether a figure of the registry shows the impacts that it shows as shipped.
+
+    Of others the article says nothing. Title and caption name particles, surfaces and speeds.
+    """
+    if name not in all_figures():
+        return False
+    shipped = settings_as_shipped()
+    branch = shipped.branches[entry["analysis"]]
+    words = all_figures()[name].filled(branch, shipped.pairs)
+    return (words.title, words.caption) == (entry["title"], entry["caption"])
 
 
 def finding(content: Path) -> str:
