@@ -14,9 +14,8 @@ from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Range, Real, checked
 from microimpact.core.readable import Readable
 
 RING_FORCE = "ring force"
-# Speeds c of an edge, m/s: up to a hundred times the fastest sound, with which the contact is that of
-# JKR; and down to the slowest that holds spheres by up to a thousand times the work at 20 m/s, even
-# if that goes with the power 0.12 of the speed.
+# Speeds c of an edge, m/s. At a hundred times the fastest sound the contact is that of JKR; at the
+# slowest, separation at 20 m/s takes a thousand times the work, even with m = 0.12.
 EDGE_SPEEDS = (1e-24, 1e6)
 
 
