@@ -23,6 +23,7 @@ from study.report.site.build import site_pages, write_site
 from study.report.site.figures import (
     OTHER,
     SUBJECTS,
+    _evidence,
     departures,
     joined,
     shows_article,
@@ -37,7 +38,7 @@ from study.report.site.record import (
     row_names,
     write_record,
 )
-from study.tables import RESULT_EVIDENCE
+from study.tables import RESULT_EVIDENCE, not_computed
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +47,12 @@ def pages(site):
         path.relative_to(site).as_posix(): Page(path.read_text(encoding="utf-8"))
         for path in sorted(site.rglob("*.html"))
     }
+
+
+def test_a_table_that_could_not_be_computed_has_no_evidence(tmp_path):
+    path = tmp_path / "curves.csv"
+    not_computed("edge_speed: no root").to_csv(path, index=False)
+    assert _evidence([path]) == ()
 
 
 def test_every_figure_has_a_page_and_every_link_and_anchor_leads_somewhere(site, pages, entries):

@@ -195,7 +195,9 @@ def finding(content: Path) -> str:
 
 def _evidence(paths: Iterable[Path]) -> tuple[str, ...]:
     """Return the evidence classes of figure data, in their order."""
-    return tuple(dict.fromkeys(row["evidence"] for path in paths for row in read_rows(path)))
+    rows = (row for path in paths for row in read_rows(path))
+    # A table that could not be computed has no evidence.
+    return tuple(dict.fromkeys(row["evidence"] for row in rows if "evidence" in row))
 
 
 def upstream(study: str) -> tuple[str, ...]:

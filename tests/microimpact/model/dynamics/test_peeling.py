@@ -187,7 +187,7 @@ def test_three_groups_make_an_impact(build, steel, silicon):
 @pytest.mark.parametrize("exponent", [0.35, 0.5, 0.96, 1.5])
 def test_slow_edges_have_one_power_of_the_size_and_one_curve(build, exponent):
     """v_c ~ d^(-1/(1.2 - 0.6 m)), and e by v/v_c alone, where w/w_0 is large."""
-    slow = 4e-18
+    slow = 4e-24
     work = max(0.1 * (slow / 0.5) ** exponent, 1e-10)
     law = edge(0.5 * (work / 0.1) ** (1 / exponent), exponent)
     sizes = np.array([40e-6, 60e-6])
@@ -220,7 +220,7 @@ def test_the_capture_velocity_parts_rebounds_from_captures(build, viscous_time):
             {"edge_exponent": 2.1},
             r"law\.edge_exponent must be finite and in \[0\.02, 2\], got 2\.1",
         ),
-        ({"edge_speed": 0.0}, r"law\.edge_speed must be finite and in \[1e-18, 1e\+06\], got 0"),
+        ({"edge_speed": 0.0}, r"law\.edge_speed must be finite and in \[1e-24, 1e\+06\], got 0"),
         ({"viscous_time": -1.0}, r"law\.viscous_time must be"),
     ],
 )
