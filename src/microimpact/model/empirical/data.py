@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import lgamma, log
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import scipy
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import (
@@ -219,9 +219,11 @@ class Tails(NamedTuple):
 
     def density(self) -> FloatArray:
         """Freedoms, and -2 ln of their densities' factors less those of a normal one, (k, 2)."""
-        nu, log = np.array(self.freedoms), scipy.special.gammaln
-        factor = 2.0 * (log(0.5 * nu) - log(0.5 * (nu + 1.0))) + np.log(0.5 * nu) - 1.0
-        return np.stack([nu, factor], axis=1)
+        rows = [
+            (nu, 2.0 * (lgamma(0.5 * nu) - lgamma(0.5 * (nu + 1.0))) + log(0.5 * nu) - 1.0)
+            for nu in self.freedoms
+        ]
+        return np.array(rows)
 
     def likeliest(self, missed: FloatArray, count: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Deviance, scale and freedom (m, 3), and weights of the squares of residuals (m, n).
