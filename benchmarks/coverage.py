@@ -33,7 +33,6 @@ from matplotlib.figure import Figure
 from microimpact.core.arrays import FloatArray
 from microimpact.core.declared import materials
 from microimpact.model.calibration import two_stage
-from microimpact.model.choices import INTERVAL
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
@@ -51,7 +50,7 @@ PROJECT = Path(__file__).parents[1]
 FOLDER, IMAGES = Path(__file__).with_suffix(""), PROJECT / "docs" / "images"
 SEED, ANALYSIS, SETS, POINTS, HIGHEST, CONFIDENCE = 3349723591, 34, 300, 20, 15.0, 0.95
 # Sizes, over that measured, at which contacts are to predict the capture velocity, and how surely.
-SIZES = (1.0 / 3.0, 0.5, 1.0, 2.0)
+SIZES, LEVEL = (1.0 / 3.0, 0.5, 1.0, 2.0), 0.9
 EQ_34, FOREIGN, BETWEEN = "Eq. 34", "foreign curve", "ring force, n = 0.7"
 RATES = {"steel-silicon, n = 0": 0.0, "steel-silicon, n = 1": 1.0, BETWEEN: 0.7}
 WORK = {0.0: 3.5, 1.0: 0.7}  # J/m2, as the study calibrates steel on silicon
@@ -249,7 +248,7 @@ def predicted(sets: int) -> Iterator[Row]:
             except NoConvergenceError:
                 continue
             limits = drawn.of_all(_at_other_sizes)
-            intervals.append(np.quantile(limits, INTERVAL[::2], axis=1))
+            intervals.append(np.quantile(limits, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL], axis=1))
         shares = np.transpose(intervals) / _at_other_sizes(contact)[:, None, None]
         for size, ends in zip(SIZES, np.swapaxes(shares, 1, 2), strict=True):
             left = {"without_convergence": sets - len(ends)}
@@ -318,7 +317,7 @@ def _draw_averaged(table: list[Row], predictions: list[Row]) -> None:
     sizes.set_xticks(SIZES, ["1/3", "1/2", "1", "2"], minor=False)
     sizes.minorticks_off()
     sizes.set_ylim(0.7, 1.02)
-    sizes.axhline(CONFIDENCE, color="#555555", linestyle=":")
+    sizes.axhline(LEVEL, color="#555555", linestyle=":")
     exact.set_ylabel("share of intervals with $v_c$")
     _save(figure, (exact, sizes), "averaged_coverage")
 
