@@ -94,7 +94,7 @@ def test_only_claims_that_rest_on_it_have_no_number(lacking, monkeypatch):
         monkeypatch.delitem(claim_numbers.CLAIMS, name)
     params = build(claim_numbers.Params, settings_as_shipped().branches["claim_numbers"])
     files = {"calibration": lacking, "posterior_contacts": lacking}
-    table = claim_numbers.run(params, NamedTables(files))["claim_numbers"]
+    table = claim_numbers.numbers(params, NamedTables(files))["claim_numbers"]
     problems = table.groupby("claim")["problem"].agg(set)
     assert problems["C01"] == {""}
     assert problems["C10"] == {WHY}

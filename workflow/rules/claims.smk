@@ -14,6 +14,7 @@ use rule analysis as claim_numbers with:
         analysis="claim_numbers",
     params:
         **parameters("claim_numbers"),
+        function="numbers",
 
 
 use rule analysis as claim_draws with:

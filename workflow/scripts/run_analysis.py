@@ -49,7 +49,8 @@ def main(job: Any) -> str:
         else:
             if parts := job.input.get("parts"):
                 inputs["parts"] = pd.concat(map(read_table, parts))
-            tables = getattr(analysis, job.params.get("function", "run"))(params, inputs)
+            make = getattr(job.params, "function", "run")
+            tables = getattr(analysis, make)(params, inputs)
     except NotComputable as error:
         why = reason(job.params.analysis, error)
         sys.stderr.write(f"{NOT_COMPUTED}: {why}\n")

@@ -17,7 +17,7 @@ from study.claims.sections import SECTIONS
 from study.contacts import posterior_contact, posterior_rows
 from study.tables import Tables
 
-__all__ = ["CLAIMS", "SECTIONS", "Params", "drawn", "numbers_of", "run"]
+__all__ = ["CLAIMS", "SECTIONS", "Params", "drawn", "numbers", "numbers_of", "run"]
 
 NEEDS = {
     "inference": ("posterior_contacts",),
@@ -70,6 +70,11 @@ Params: Any = params()
 
 
 def run(params: Common, inputs: Tables) -> Tables:
+    """Compute the numbers of every claim, and of some for drawn contacts: `numbers`, `drawn`."""
+    return {**numbers(params, inputs), **drawn(params, inputs)}
+
+
+def numbers(params: Common, inputs: Tables) -> Tables:
     """Compute the numbers of every claim.
 
     A claim that cannot be computed with the settings has a row that says why, and leaves the others
@@ -89,8 +94,8 @@ def run(params: Common, inputs: Tables) -> Tables:
         ``problem``, why there is none.
     """
     context = Context(params=params, inputs=inputs)
-    numbers = [row for name in ascending() for row in rows(name, context)]
-    return {"claim_numbers": pd.DataFrame(numbers, columns=list(NUMBER_COLUMNS))}
+    every = [row for name in ascending() for row in rows(name, context)]
+    return {"claim_numbers": pd.DataFrame(every, columns=list(NUMBER_COLUMNS))}
 
 
 def drawn(params: Common, inputs: Tables) -> Tables:
@@ -122,7 +127,7 @@ def draws_of(params: Common, inputs: Tables, *claims: str) -> pd.DataFrame:
     Parameters
     ----------
     params, inputs
-        As in `run`; of the tables, ``calibration`` and ``posterior_contacts`` are read.
+        As in `numbers`; of the tables those of `DRAWS_NEED` are read.
     *claims
         Such as ``C58``; all, if none are named.
 
@@ -159,13 +164,13 @@ def _of(name: str, params: Common, inputs: Tables, rows: pd.DataFrame) -> Iterat
         contacts=posterior_contact(inputs, rows),
     )
     try:
-        numbers = list(flat(CLAIMS[name].computed(context), ""))
+        entries = list(flat(CLAIMS[name].computed(context), ""))
     except NotComputable:
         return
-    values = [np.broadcast_to(value, len(rows)) for *_, value in numbers]
+    values = [np.broadcast_to(value, len(rows)) for *_, value in entries]
     known = np.all(np.isfinite(values), axis=0)
     draws = rows.rename(columns={"case": "contact"})[list(DRAW)].assign(claim=name)
-    for (alternative, quantity, _), value in zip(numbers, values, strict=True):
+    for (alternative, quantity, _), value in zip(entries, values, strict=True):
         yield draws.assign(alternative=alternative, quantity=quantity, value=value)[known]
 
 
@@ -177,7 +182,7 @@ def numbers_of(claim: str, params: Common, inputs: Tables) -> pd.DataFrame:
     claim
         Such as ``C58``.
     params, inputs
-        As in `run`; of the tables those that the claim reads.
+        As in `numbers`; of the tables those that the claim reads.
 
     Raises
     ------

@@ -53,8 +53,7 @@ def inputs(made, settings):
 @pytest.fixture(scope="module")
 def tables(branch, inputs, tmp_path_factory):
     def make():
-        params = build(claim_numbers.Params, branch)
-        return claim_numbers.run(params, inputs) | claim_numbers.drawn(params, inputs)
+        return claim_numbers.run(build(claim_numbers.Params, branch), inputs)
 
     return tables_made_once(tmp_path_factory, "numbers of claims", make)
 
@@ -185,7 +184,7 @@ def test_slow_impacts_leave_claims_not_computed_and_the_others_alone(
 ):
     """At 0.01 m/s steel is captured: there is no plateau and no rebound."""
     slow = merged(branch, LEAST | {"steel": {"speed_m_per_s": 0.01}})
-    table = claim_numbers.run(build(claim_numbers.Params, slow), inputs)["claim_numbers"]
+    table = claim_numbers.numbers(build(claim_numbers.Params, slow), inputs)["claim_numbers"]
     problems = table[table["problem"] != ""].groupby("claim")["problem"].first()
     assert {"C10", "C19", "C23"} <= set(problems.index)
     assert problems["C10"] == "steel.speed_m_per_s: at 0.01 it rebounds at no angle"
