@@ -100,6 +100,14 @@ def test_a_figure_of_other_impacts_is_not_compared_with_the_article(entries):
     assert not shows_article("of nobody", other)
 
 
+def test_claims_on_the_article_do_not_judge_a_figure_of_another_pair(results, record, entries):
+    other = entries["fig06"] | {"title": "Of latex on quartz"}
+    changed = replace(record, figures={**record.figures, "fig06": other})
+    page = site_pages(results, changed)["figures/fig06.html"]
+    assert page.index('id="of-article"') < page.index("claims.html#C72")
+    assert not any(f'id="{part}"' in page for part in ("disagreement", "agreement", "open"))
+
+
 def test_the_ledger_of_claims_in_one_file_keeps_its_schema(site, results):
     text, schema = ((site / f"files/claims.{end}").read_text() for end in ("json", "schema.json"))
     content = json.loads(text)

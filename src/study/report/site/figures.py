@@ -77,6 +77,7 @@ class Figure:
     caption: str
     method: str
     article: str
+    is_of_article: bool  # Title and caption are as shipped
     disagreement: Sequence[str]
     agreement: Sequence[str]
     data: tuple[str, ...]
@@ -141,8 +142,9 @@ def figures(
     def figure(name: str) -> Figure:
         entry = record.figures[name]
         study, data = entry["analysis"], tuple(f"data/{table}.csv" for table in entry["data"])
+        is_of_article = shows_article(name, entry)
         disagreement, agreement = (
-            all_figures()[name].compared(tables_of_run) if shows_article(name, entry) else ([], [])
+            all_figures()[name].compared(tables_of_run) if is_of_article else ([], [])
         )
         tables = {f"tables/{table}.csv": words for table, words in entry.get("tables", {}).items()}
         return Figure(
@@ -153,6 +155,7 @@ def figures(
             finding=_line(finding(results / f"figures/{name}.csv")),
             **{key: _line(entry.get(key, "")) for key in ("caption", "method")},
             article=" ".join(entry.get("article", "").split()),
+            is_of_article=is_of_article,
             disagreement=[_line(words) for words in disagreement],
             agreement=[_line(words) for words in agreement],
             data=data,
