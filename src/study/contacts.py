@@ -39,8 +39,6 @@ DRAWN = {
 }
 
 
-# Parameters of the laws that a case may have in place of the ring force.
-LAW_PARAMETERS = {"viscous_time": "s", "yield_pressure": "Pa"}
 # Laws of contact.
 Kind = Literal["ring force", "jkr", "thornton-ning", "hysteresis", "maugis-barquins"]
 # Printed numbers have two or three digits.
@@ -245,9 +243,8 @@ def calibrated_contact(inputs: Tables, case: str, **changes: Any) -> Contact:
     if rows.empty:
         raise ValueError(f"no calibrated case {case!r}{nearest(case, set(table['case']))}")
     fields: dict[str, Any] = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
-    for name in LAW_PARAMETERS:
-        if name in fields:
-            fields["law"] = PARAMETERS[name](**{name: fields.pop(name)})
+    for name in PARAMETERS.keys() & fields.keys():
+        fields["law"] = PARAMETERS[name](**{name: fields.pop(name)})
     return _of_rows(inputs, rows, fields).replace(**changes)
 
 

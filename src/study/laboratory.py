@@ -16,11 +16,11 @@ from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.ptis.system import ImagingSystem
+from microimpact.model.choices import FittedLaw
 from microimpact.statistics.distributions import Distribution, mean
 from study.declared.parameters import (
     AngleDegrees,
     CaseName,
-    FittedLaw,
     Fraction,
     MaterialName,
     Name,

@@ -16,6 +16,7 @@ import numpy as np
 from microimpact.core.arrays import POSITIVE, BoolArray, Range, Real, checked, common_shape
 from microimpact.core.computable import NotComputable
 from microimpact.core.solve import root, threshold
+from microimpact.model.choices import FittedLaw
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity, scaled_capture_velocity
@@ -235,7 +236,7 @@ def work_of_adhesion_for(contact: Contact, capture_speed: float) -> Contact:
 
 
 def law_for(
-    contact: Contact, law: type[JKR | ThorntonNing], speed: float, restitution: float, limit: float
+    contact: Contact, law: FittedLaw, speed: float, restitution: float, limit: float
 ) -> Contact:
     """Choose w_A and the loss of a law of contact to meet a restitution and a capture velocity.
 
@@ -244,7 +245,7 @@ def law_for(
     contact
         The bodies.
     law
-        `JKR`, whose viscous time is chosen, or `ThorntonNing`, whose yield pressure is.
+        Of `JKR` the viscous time is chosen, of `ThorntonNing` the yield pressure.
     speed
         Normal speed, m/s.
     restitution
@@ -259,17 +260,19 @@ def law_for(
     """
 
     def with_loss(loss: float) -> Contact:
-        chosen = JKR(viscous_time=loss) if law is JKR else ThorntonNing(yield_pressure=1.0 / loss)
+        chosen = (
+            JKR(viscous_time=loss) if law == JKR.name else ThorntonNing(yield_pressure=1.0 / loss)
+        )
         return work_of_adhesion_for(contact.by_law(chosen, 1.0), limit)
 
     def excess(logarithm: float) -> float:
         e = normal_impact(with_loss(np.exp(logarithm)), speed).coefficient_of_restitution
         return float(e) - restitution
 
-    least, greatest = np.log(LOSSES[law.name])
+    least, greatest = np.log(LOSSES[law])
     if excess(least) < 0.0 or excess(greatest) > 0.0:
         raise NoSolutionError(
-            f"{law.name}: e at {speed:g} m/s is {excess(least) + restitution:.4g} with hardly any"
+            f"{law}: e at {speed:g} m/s is {excess(least) + restitution:.4g} with hardly any"
             f" loss and {excess(greatest) + restitution:.4g} with a large one, the target"
             f" {restitution:g}"
         )

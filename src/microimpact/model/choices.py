@@ -7,6 +7,8 @@ from typing import Literal, get_args
 # Normal force in Coulomb's law.
 FrictionBasis = Literal["compressive", "hertz", "net"]
 FRICTION_BASES: tuple[str, ...] = get_args(FrictionBasis)
+# Laws of contact that can be fitted to a restitution and a capture velocity.
+FittedLaw = Literal["jkr", "thornton-ning"]
 # Compliance along the surface.
 TANGENTIAL_LAWS = ("rigid", "mindlin", "spring")
 # What makes a contact of two materials: adhesion, damping, and how damping goes with the rate.

@@ -25,7 +25,13 @@ from microimpact.core.readable import Readable
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.empirical import scatter, shapes
-from microimpact.model.empirical.comparison import LEAST, Comparison, compare_models, sorted_data
+from microimpact.model.empirical.comparison import (
+    LEAST,
+    Comparison,
+    compare_models,
+    require_names,
+    sorted_data,
+)
 from microimpact.model.empirical.data import (
     LARGEST_SIZE_SCATTER,
     SMALLEST_SIZE_SCATTER,
@@ -168,9 +174,7 @@ def calibrate_laws(
     if contact.damped_attachment:
         raise ValueError("contact must be one without damped_attachment: laws are drawn without it")
     _require_single(contact, draws, seed)
-    for name in laws:
-        if name not in DRAWN:
-            raise ValueError(f"laws: {name!r} must be one of {'; '.join(DRAWN)}")
+    require_names("laws", laws, DRAWN)
     measured = (v, e, sigma, sigma_v, d, size_scatter)
     comparison = compare_models(*measured, models=laws)
     data = sorted_data(*measured)

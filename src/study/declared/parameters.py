@@ -112,8 +112,6 @@ ExternalName = Annotated[Name, Names("external")]
 InferredName = Annotated[Name, Names("inference.pairs")]
 ScenarioName = Annotated[Name, Names("scenarios")]
 LawName = Annotated[Name, Names("laws")]
-# Laws of contact that can be fitted to a restitution and a capture velocity.
-FittedLaw = Literal["jkr", "thornton-ning"]
 
 
 Seed = Annotated[int, Field(ge=0, lt=2**63)]

@@ -34,16 +34,8 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     *("id", "where", "quote", "statement", "kind", "criterion", "article_value"),
-    *(
-        "sentence",
-        "computed_value",
-        "unit",
-        "verdict",
-        "margin",
-        "shares",
-        "decided_by",
-        "independent",
-    ),
+    *("sentence", "computed_value", "unit", "verdict", "margin"),
+    *("shares", "decided_by", "independent"),
     *("evidence", "figures", "code", "inputs", "changed_inputs", "reason"),
 )
 SHARE_COLUMNS = ("id", *GROUPS, "share", "low", "high", "effective_size")

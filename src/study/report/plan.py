@@ -6,17 +6,19 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from textwrap import fill
-from typing import Any
 
 from study import analyses
 from study.declared.documents import load
 from study.declared.references import merged
 from study.figures.declaration import all_figures
 from study.judge.changed import OF_ANOTHER, with_inputs
+from study.report.site.ledgers import read_rows
 from study.run.changed import changed_inputs
 from study.run.config import validate
 from study.run.study import settings_as_shipped, shipped_configuration
-from study.tables import read_table
+
+# Rules that are run again after any analysis.
+AFTER = ("claim_draws", "claims", "report")
 
 
 def plan(overlays: Sequence[Path], results: Path) -> str:
@@ -49,15 +51,14 @@ def plan(overlays: Sequence[Path], results: Path) -> str:
     if not (results / "tables/claims.csv").is_file():
         return "\n".join([*lines, f"Claims and seconds are known after a run: none in {results}."])
     verdicts = defaultdict[str, list[str]](list)
-    ledger = read_table(results / "tables/claims.csv").astype(object).fillna("")
-    for _, row in ledger.iterrows():
-        after: dict[str, Any] = with_inputs(row, changed)
+    for row in read_rows(results / "tables/claims.csv"):
+        after = with_inputs(row, changed)
         if after["changed_inputs"]:
             is_lost = after["verdict"] == OF_ANOTHER != row["verdict"]
-            verdicts[OF_ANOTHER if is_lost else "judged anew"].append(str(row["id"]))
+            verdicts[OF_ANOTHER if is_lost else "judged anew"].append(row["id"])
     lines += [_listed(f"Claims {kind}", names) for kind, names in sorted(verdicts.items())]
     costs = {path.stem: _seconds(path) for path in (results / "benchmarks").glob("*.tsv")}
-    anew = {*made, *(f"{name}_figures" for name in made), "claims", "report"}
+    anew = {*made, *(f"{name}_figures" for name in made), *(AFTER if made else ())}
     spent = sum(seconds for rule, seconds in costs.items() if rule in anew)
     lines.append(f"These took {spent:.0f} of the {sum(costs.values()):.0f} s of all jobs there.")
     return "\n".join(lines)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microimpact import JKR, capture_velocity, simulate
+from microimpact import capture_velocity, simulate
 from microimpact.model.calibration import (
     NoSolutionError,
     adhesion_damping_for,
@@ -142,4 +142,4 @@ def test_one_factor_on_both_dampings_meets_a_restitution(contact):
 def test_a_loss_that_no_law_has_is_refused(bare):
     # JKR without viscosity still loses what breaking the contact costs
     with pytest.raises(NoSolutionError, match="jkr: e at 1"):
-        law_for(bare, JKR, HIGH, 0.9999, CAPTURE)
+        law_for(bare, "jkr", HIGH, 0.9999, CAPTURE)

@@ -12,7 +12,7 @@ The laws of contact need no material here: see `microimpact.model.empirical.shap
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
@@ -254,6 +254,26 @@ class Comparison(Readable):
         return words
 
 
+def require_names(key: str, names: Iterable[str], known: Iterable[str]) -> None:
+    """Refuse a name that is not known.
+
+    Parameters
+    ----------
+    key
+        What the names are of, for the message.
+    names, known
+        The names, and those among which they must be.
+
+    Raises
+    ------
+    ValueError
+        Naming the first that is not known, and all that are.
+    """
+    for name in names:
+        if name not in known:
+            raise ValueError(f"{key}: {name!r} must be one of {'; '.join(known)}")
+
+
 def with_interval(value: float, interval: tuple[float, float]) -> list[str]:
     """Format a number and the ends of its interval.
 
@@ -358,9 +378,7 @@ def compare_sets(
         said = data.scatter and data.scatter[1:]
         kind = order.size, int(np.sum(data.v >= 1.0)), known, said
         alike[kind].append((number, data, order + 1, diameter))
-    for name in models or ():
-        if name not in CANDIDATES:
-            raise ValueError(f"models: {name!r} must be one of {'; '.join(CANDIDATES)}")
+    require_names("models", models or (), CANDIDATES)
     candidates = {name: CANDIDATES[name] for name in models or AVERAGED}
     comparisons: dict[int, Comparison] = {}
     for (_, count, known, _), members in alike.items():

@@ -15,6 +15,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
+from microimpact.core.arrays import UNIT_OF
 from microimpact.core.computable import NotComputable
 from microimpact.model.calibration import (
     NoSolutionError,
@@ -26,20 +27,18 @@ from microimpact.model.calibration import (
     two_stage,
     work_of_adhesion_for,
 )
+from microimpact.model.choices import FittedLaw
 from microimpact.model.contact import Contact, resized
-from microimpact.model.contact_laws import JKR, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from study.contacts import (
     CAPTURE_VELOCITIES,
-    LAW_PARAMETERS,
     declared_contact,
     printed_capture_velocity,
 )
 from study.declared.parameters import (
     CaseName,
     CounterpartName,
-    FittedLaw,
     Fraction,
     MaterialName,
     NonNegative,
@@ -56,7 +55,6 @@ from study.tables import (
 )
 
 PRINTED_VALUES = CAPTURE_VELOCITIES
-FITTED_LAWS: dict[str, type[JKR | ThorntonNing]] = {law.name: law for law in (JKR, ThorntonNing)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -372,7 +370,7 @@ def _cases(params: Params, known: Known, inputs: Tables) -> Iterator[Attempt]:
     def member(each: Member) -> Solution:
         work = each.work_of_adhesion_J_per_m2
         if each.law:
-            contact = law_for(bare, FITTED_LAWS[each.law], *targets.aims)
+            contact = law_for(bare, each.law, *targets.aims)
         else:
             fitted_at = each.damping_fitted_at_J_per_m2 or work
             contact = solved(bare, targets.aims, each.rate_exponent, fitted_at)
@@ -431,9 +429,8 @@ def _case_rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
     numbers = [("target", name, *of) for name, of in targets.items()]
     fields = {name: getattr(contact, name) for name in PARAMETERS}
     fields |= contact.law.parameters if contact.law else {}
-    units = PARAMETERS | LAW_PARAMETERS
     numbers += [
-        ("parameter", name, float(value), np.nan, units[name])
+        ("parameter", name, float(value), np.nan, PARAMETERS.get(name) or UNIT_OF[f"law.{name}"])
         for name, value in fields.items()
         if value is not None
     ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import TYPE_CHECKING
 
+from microimpact.core.constants import gravity
 from study.figures.declaration import Remark, stated
 
 if TYPE_CHECKING:
@@ -12,7 +13,6 @@ if TYPE_CHECKING:
     from study.tables import ResultTables
 
 CASES = "steel-silicon, n = 1", "steel-silicon, n = 0"
-GRAVITY = 9.80665  # m/s²
 PROBE_MM = 1.0
 # The plateau that the article names begins at 0.75 m/s.
 PLATEAU = (0.75, 1.7)
@@ -50,7 +50,7 @@ def probe_overstates_slow_rebounds(tables: ResultTables) -> Stated:
         tables("normal_experiments")(column, **slow)
         for column in ("speed_m_per_s", "restitution", "true_restitution_of_rebounds")
     )
-    limit = sqrt(2.0 * GRAVITY * PROBE_MM * 1e-3)
+    limit = sqrt(2.0 * gravity * PROBE_MM * 1e-3)
     return stated(seen > true + 0.05, speed=speed, seen=seen, true=true, limit=limit)
 
 
