@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -144,7 +144,7 @@ def draws_of(params: Common, inputs: Tables, *claims: str) -> pd.DataFrame:
     is_ring_force = contacts["contact_law"] == "ring force"
     contacts = contacts[is_ring_force | (contacts["draw"] % SPARSE == 0)]
     groups = [rows for _, rows in contacts.groupby(["contact_law", "friction_basis"])]
-    parts = [part for name in wanted for rows in groups for part in _of(name, params, inputs, rows)]
+    parts = [part for rows in groups for part in _of(wanted, params, inputs, rows)]
     if not parts:
         return pd.DataFrame(columns=list(DRAW_COLUMNS))
     table = pd.concat(parts)
@@ -154,8 +154,10 @@ def draws_of(params: Common, inputs: Tables, *claims: str) -> pd.DataFrame:
     return table.sort_values(["order", "row"], kind="stable")[list(DRAW_COLUMNS)]
 
 
-def _of(name: str, params: Common, inputs: Tables, rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
-    """Yield the numbers of each quantity of a claim, for draws of one law and basis of friction."""
+def _of(
+    claims: Sequence[str], params: Common, inputs: Tables, rows: pd.DataFrame
+) -> Iterator[pd.DataFrame]:
+    """Yield the numbers of each quantity of claims, for draws of one law and basis of friction."""
     basis = rows["friction_basis"].iloc[0]
     context = Context(
         params=replace(params, steel=replace(params.steel, friction_basis=basis)),
@@ -163,15 +165,17 @@ def _of(name: str, params: Common, inputs: Tables, rows: pd.DataFrame) -> Iterat
         case=params.steel.cases[0],
         contacts=posterior_contact(inputs, rows),
     )
-    try:
-        entries = list(flat(CLAIMS[name].computed(context), ""))
-    except NotComputable:
-        return
-    values = [np.broadcast_to(value, len(rows)) for *_, value in entries]
-    known = np.all(np.isfinite(values), axis=0)
-    draws = rows.rename(columns={"case": "contact"})[list(DRAW)].assign(claim=name)
-    for (alternative, quantity, _), value in zip(entries, values, strict=True):
-        yield draws.assign(alternative=alternative, quantity=quantity, value=value)[known]
+    draws = rows.rename(columns={"case": "contact"})[list(DRAW)]
+    for name in claims:
+        try:
+            entries = list(flat(CLAIMS[name].computed(context), ""))
+        except NotComputable:
+            continue
+        values = [np.broadcast_to(value, len(rows)) for *_, value in entries]
+        known = np.all(np.isfinite(values), axis=0)
+        of_claim = draws.assign(claim=name)
+        for (alternative, quantity, _), value in zip(entries, values, strict=True):
+            yield of_claim.assign(alternative=alternative, quantity=quantity, value=value)[known]
 
 
 def numbers_of(claim: str, params: Common, inputs: Tables) -> pd.DataFrame:

@@ -134,7 +134,7 @@ class Context:
     case: str = ""
     # Contacts of steel on silicon (n,) in place of that of the case.
     contacts: Contact | None = None
-    # Contacts and samples, made once for all claims: a table of the impact law serves one contact.
+    # Contacts, samples and impacts that several claims take, made once for all.
     made: dict[Hashable, Any] = field(default_factory=dict)
 
     def cases(self) -> Iterator[Self]:
@@ -145,8 +145,8 @@ class Context:
         """Return the context with the contact of its case as a contact of arrays (1,)."""
         return replace(self, contacts=resized(self.steel, np.atleast_1d(self.steel.diameter)))
 
-    def _once(self, key: Hashable, make: Callable[[], Any]) -> Any:
-        """Return a contact or sample, made once; each claim that takes it reads the calibration."""
+    def once(self, key: Hashable, make: Callable[[], Any]) -> Any:
+        """Return what is made once for all claims; each that takes it reads the calibration."""
         _ = self.inputs["calibration"], self.inputs["materials"]
         if key not in self.made:
             self.made[key] = make()
@@ -172,7 +172,7 @@ class Context:
 
         if self.contacts is not None:
             return resized(self.contacts, diameter)
-        calibrated: Contact = self._once(case, contact)
+        calibrated: Contact = self.once(case, contact)
         return calibrated
 
     @property
@@ -223,9 +223,14 @@ class Context:
 
         Raises NotComputable if no contact rebounds at any.
         """
-        impact = self.impacts(self.speed, self.all_angles() if angles is None else angles)
+        steel, speed = self.steel, self.speed
+        if angles is None:
+            key, steps = ("rebounds", self.case, self.contacts is None), self.all_angles()[:, None]
+            impact: Impact = self.once(key, lambda: self.hit(steel, speed, steps))
+        else:
+            impact = self.impacts(speed, angles)
         if np.all(impact.captured):
-            raise NotComputable(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
+            raise NotComputable(f"steel.speed_m_per_s: at {speed:g} it rebounds at no angle")
         return impact
 
     def shallowest_rebounds(self) -> FloatArray:
@@ -253,13 +258,13 @@ class Context:
         dropped = replace(dropped, case=self.case or dropped.case)
         # The contact has the mean diameter; spin and slopes are none of it.
         key = replace(dropped, spin=NO_SPIN, surface_slope=0.0)
-        contact = self._once(key, lambda: contact_of(dropped, self.inputs))
+        contact = self.once(key, lambda: contact_of(dropped, self.inputs))
         return Sample(dropped=dropped, contact=contact, sampling=self.params.sampling)
 
     def seen(self, dropped: Dropped, angle: float) -> Seen:
         """Return the rebounds of a sample at an angle in degrees."""
         sample = self.sample(dropped)
-        seen: Seen = self._once((sample, angle), lambda: sample.seen(angle))
+        seen: Seen = self.once((sample, angle), lambda: sample.seen(angle))
         return seen
 
     def mean(self, quantity: str, dropped: Dropped, angle: float) -> Estimate:

@@ -249,11 +249,12 @@ def fraction(context: Context, variation: str) -> Effects:
     runs = table.loc[table["in_fraction"].astype(str) == "True", list(LETTERS)].to_numpy(float)
     levels = context.table("doe_levels", variation=variation).set_index("factor").loc[[*LETTERS]]
     multiples = coded(levels[["low_multiple", "high_multiple"]].to_numpy(float).T, runs)
-    response = capture_velocity(at_levels(steel, multiples[:, None])).T
+    key = ("fraction", variation, context.case, context.contacts is None)
+    velocities = context.once(key, lambda: capture_velocity(at_levels(steel, multiples[:, None])).T)
     wanted = {"variation": variation, "design": "fraction", "response": "v_c"}
     aliases = context.table("doe_effects", **wanted).set_index("effect")["aliases"]
-    sizes = contrasts(runs, LETTERS, [*aliases.index], response)
-    percent = 100.0 * sizes / response.mean(axis=-1, keepdims=True)
+    sizes = contrasts(runs, LETTERS, [*aliases.index], velocities)
+    percent = 100.0 * sizes / velocities.mean(axis=-1, keepdims=True)
     return Effects(
         percent=dict(zip(map(str, aliases.index), percent.T, strict=True)),
         aliases={str(word): str(others) for word, others in aliases.fillna("").items()},

@@ -66,7 +66,11 @@ def plan(overlays: Sequence[Path], results: Path) -> str:
 
 def _listed(what: str, names: Iterable[str]) -> str:
     names = list(names)
-    return fill(f"{what}, {len(names)}: {', '.join(names) or '-'}", subsequent_indent="  ")
+    return fill(
+        f"{what}, {len(names)}: {', '.join(names) or '-'}",
+        subsequent_indent="  ",
+        break_on_hyphens=False,
+    )
 
 
 def _seconds(path: Path) -> float:
