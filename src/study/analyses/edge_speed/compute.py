@@ -16,9 +16,9 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.bounds import Positive
-from microimpact.core.solve import roots
+from microimpact.core.solve import roots, threshold
 from microimpact.model.contact import Contact, resized
 from microimpact.model.contact_laws import MaugisBarquins
 from microimpact.model.dynamics.capture import capture_velocity
@@ -105,12 +105,12 @@ def solved(params: Params, bare: Contact, exponent: float, limits: FloatArray) -
     """
 
     def holds(log_a: FloatArray, limit: FloatArray) -> Contact:
-        def excess(log_c: FloatArray, log_a: FloatArray, limit: FloatArray) -> FloatArray:
+        def rebounds(log_c: FloatArray) -> BoolArray:
             contact = edge(params, bare, exponent, np.exp(log_c), np.exp(log_a))
-            return -np.arctan(np.log(capture_velocity(contact) / limit))
+            return ~normal_impact(contact, limit).captured
 
         low, high = (np.full_like(limit, end) for end in LOG_C)
-        c = np.exp(roots(excess, low, high, log_a, limit, **ERROR))
+        c = np.exp(threshold(rebounds, low, high, **ERROR))
         return edge(params, bare, exponent, c, np.exp(log_a))
 
     def left(log_a: FloatArray, limit: FloatArray) -> FloatArray:
