@@ -12,15 +12,12 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Concatenate, Literal, ParamSpec
+from typing import Any, Concatenate, Literal, ParamSpec
 
 from microimpact.core.computable import NotComputable
 from study import analyses
 from study.declared import documents
 from study.tables import Curves, ResultTables, TableError, Tables
-
-if TYPE_CHECKING:
-    from study.figures.style import Sheet
 
 Line = Literal["solid", "dashed", "dotted", "dashdot"]
 Mark = Literal["circle", "square", "triangle"]
@@ -84,7 +81,7 @@ STEEL_LAWS = {
     "steel-silicon, n = 1": Series("two stages, $n$ = 1", 6, thin=True),
 }
 
-Draw = Callable[["Sheet"], None]
+Draw = Callable[[Any], None]  # Of a `Sheet`
 Words = ParamSpec("Words")
 # What a finding states of the curves of its figure, by name; None if they do not bear it.
 Stated = Mapping[str, float] | None
