@@ -162,7 +162,7 @@ def in_class(dropped: Dropped, impacts: Impacts) -> BoolArray:
 
 
 def reduce_to(measured: Measured, arrived: int, sampling: Sampling) -> Seen:
-    """Return the statistics of the rebounds among so many particles that arrived."""
+    """Return the statistics of the rebounds, of the particles that arrived."""
     return Seen(
         measured=measured,
         captured_share=1.0 - len(measured) / max(1, arrived),

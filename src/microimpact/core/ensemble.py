@@ -27,8 +27,8 @@ SPREAD = 13
 # leaps between modes.
 STRETCHES, DIFFERENCES, LEAPS = 0.4, 0.5, 0.1
 
-# While they drift, walkers so far below the best logarithm, where hardly a draw would ever be, are
-# fetched so many times, no more than half of them at once.
+# While they drift, walkers that lie below the best logarithm by more than the first, where hardly a
+# draw would ever be, are fetched; the second says how often, and each time at most half of them.
 LEFT_BEHIND, GATHERINGS = 10.0, 5
 
 LogDensity = Callable[[FloatArray], FloatArray]

@@ -257,7 +257,7 @@ class StopRule:
     Attributes
     ----------
     events
-        Number of accepted events wanted; the first so many are averaged.
+        Number of accepted events wanted; as many, the first, are averaged.
     fewest_events
         Below this number there is no mean.
     most_dropped
@@ -276,11 +276,11 @@ class StopRule:
             )
 
     def batch(self, dropped: int) -> int:
-        """Return how many are dropped after so many: as many again, until it is given up."""
+        """Return how many are dropped next: as many as before, until it is given up."""
         return min(max(dropped, DROPPED_AT_FIRST), self.most_dropped - dropped)
 
     def ended(self, accepted: int, dropped: int) -> bool:
-        """Tell whether the experiment ends with so many events of so many dropped."""
+        """Tell whether the experiment ends, by the events accepted and the particles dropped."""
         return accepted >= self.events or dropped >= self.most_dropped
 
 

@@ -223,7 +223,7 @@ def _chain(
 ) -> ensemble.Draws:
     """Draw in `STEPS_EACH` per axis, or in twice or four times as many if the chains do not agree.
 
-    Raises NoConvergenceError, naming the worst axis, if they still are not worth so many draws.
+    Raises NoConvergenceError, naming the worst axis, if they do not agree even then.
     """
     steps = STEPS_EACH * len(low)
     most = steps * 2**DOUBLINGS
@@ -242,7 +242,7 @@ def _chain(
 
 
 def has_converged(chain: ensemble.Draws, draws: int) -> bool:
-    """Tell whether chains agree and are worth so many draws."""
+    """Tell whether chains agree and are worth `LEAST_SHARE` of the draws."""
     agree = chain.split_r_hat.max() <= LARGEST_R_HAT
     return bool(agree and chain.effective_size >= LEAST_SHARE * draws)
 

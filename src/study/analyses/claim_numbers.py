@@ -62,7 +62,7 @@ PRINTED_VALUES = (
 # Of a drawn contact, and of its numbers.
 DRAW = ("contact", "scenario", "law", "draw")
 DRAW_COLUMNS = ("claim", *DRAW, "alternative", "quantity", "value")
-# Laws other than the ring force are integrated point by point: of their draws every so many count.
+# Of laws other than the ring force, which cost more, every third draw counts.
 SPARSE = 3
 
 # Settings of all claims: what they share, and a field for each claim with settings.

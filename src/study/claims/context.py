@@ -335,7 +335,7 @@ class Context:
 
 
 def of_share(share: Number, drawn: int) -> Estimate:
-    """Return a share of so many independent draws with its standard error."""
+    """Return a share of independent draws with its standard error."""
     return Estimate(share, np.sqrt(share * (1.0 - share) / drawn))
 
 

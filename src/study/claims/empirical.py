@@ -142,7 +142,7 @@ def c104(
 def noisy_sets(context: Context, fitted_from: float, rebounds: int, sets: int) -> DataSets:
     """Return sets of rebounds with the noise of the instrument.
 
-    Their speeds begin at so many capture velocities.
+    Their speeds begin at `fitted_from` times the capture velocity.
     """
     contact = context.steel
     speed = float(capture_velocity(contact)) * np.geomspace(fitted_from, FITTED_TO, rebounds)

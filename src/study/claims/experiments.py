@@ -116,7 +116,7 @@ def c03(
 
 
 def of_class(diameter_um: Distribution, sizes: int) -> FloatArray:
-    """Return so many diameters that stand for a size class, ascending, m."""
+    """Return the diameters, m, at the middles of equal shares of a size class, ascending."""
     return np.asarray(diameter_um.quantile((np.arange(sizes) + 0.5) / sizes) * 1e-6)
 
 

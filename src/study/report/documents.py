@@ -37,7 +37,7 @@ class PageError(ValueError):
 
 
 def _fixed(value: float, digits: int) -> str:
-    """Return a number with so many digits after the point, and a true minus sign."""
+    """Return a number with `digits` after the point, and a true minus sign."""
     text = f"{value:.{digits}f}"
     text = text.removeprefix("-") if float(text) == 0.0 else text
     return text.replace("-", "−")

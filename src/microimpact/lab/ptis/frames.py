@@ -27,7 +27,7 @@ SAMPLES_PER_BLUR = 1.25
 FEWEST_SAMPLES = 8
 # Half width of a window beyond the disk, in blurs.
 REACH = 5.5
-# Noise of a pixel is one of so many quantiles of the normal distribution: its standard deviation is
+# Noise of a pixel is one of these quantiles of the normal distribution: its standard deviation is
 # right to 1e-5, and it is drawn in half the time.
 QUANTILES = 2**16
 

@@ -23,17 +23,18 @@ from microimpact.lab.events import IntArray
 from microimpact.lab.ptis.frames import BRIGHTEST
 from microimpact.lab.ptis.system import Setup
 
-# Detection: a frame is smoothed by this Gaussian (px); what exceeds both so many deviations of the
-# smoothed noise and this share of the brightest spot is light of a dash.
+# A frame is smoothed by a Gaussian of this width (px), cut off at this many widths.
 SMOOTHING_PX = 1.0
 SMOOTHING_REACH = 3.0
+# Light of a dash exceeds this many deviations of the smoothed noise, and this share of the
+# brightest spot.
 DETECTION = 6.0
 LEAST_BRIGHTNESS = 0.1
 # Spots are widened by this much to hold the light of their wings.
 WINGS_PX = 2
 # Light this close to the line of the surface (px) may be that of a dash bent by the impact.
 SURFACE_PX = 2.0
-# Levels are counted in every so manieth row: 77 000 pixels are enough.
+# Every fourth row is enough for the levels: 77,000 pixels.
 EVERY = 4
 # A spot with more of its pixels than this at the end of the scale is saturated.
 MOST_SATURATED = 0.2
@@ -42,7 +43,7 @@ MOST_SATURATED = 0.2
 WHOLE = 0.05
 SINGLE = 1.3
 ALIKE = 0.5
-# Incident tracks are as steep as this (tangent from the vertical), straight to so many pixels.
+# Incident tracks lie within this tangent of the vertical, and their dashes on a line to this (px).
 STEEP = math.tan(math.radians(5.0))
 STRAIGHT_PX = 1.5
 # Consecutive dashes must move on sideways by this much to be put in order.

@@ -53,7 +53,7 @@ PULL_OFF = "pull-off"
 SPEED = Range(lower=0.0, upper=SPEED_OF_LIGHT)
 ANGLE = Range(lower=0.0, upper=90.0, upper_closed=True)
 
-# Impacts integrated at a time: so many take all of the memory but that for the outcomes.
+# Impacts integrated at a time, which bounds the memory for all but the outcomes.
 BLOCK = 2**16
 
 # Fields of an `Impact` by the rows of a compiled pass.

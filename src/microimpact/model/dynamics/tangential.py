@@ -293,7 +293,7 @@ def _displace(strain, limit, way, next_limit):  # type: ignore[no-untyped-def]
 
 @_jit
 def _drive(slip, time, count, joins, oscillator, held, springs):  # type: ignore[no-untyped-def]
-    """Slip after a step with so many springs in contact, and the length of springs that held.
+    """Slip after a step with `count` springs in contact, and the length of springs that held.
 
     The last spring ``joins`` the contact during the step, half of which it takes part in.
     """

@@ -23,7 +23,7 @@ from microimpact.model.dynamics.impact import (
 from microimpact.model.dynamics.normal import integrate, is_shallow, scaled_problems
 from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, SLIP_PER_IMPULSE, SPIN
 
-# Room for the series of so many steps, widened where it does not suffice.
+# Steps that memory is kept for at first, and at most.
 STEPS, MOST_STEPS = 256, 1_000_000
 
 # A captured sphere is followed for this many times its first compression, or the time after which

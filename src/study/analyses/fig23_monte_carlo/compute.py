@@ -221,7 +221,7 @@ def figure_data(params: Params, means: pd.DataFrame, base: Ensemble) -> pd.DataF
         "impulse_ratio": smooth["impulse_ratio"].to_numpy(),
     }
     columns = {"restitution": "relative_restitution", "impulse_ratio": "impulse_ratio"}
-    # A measured mean scatters about the true one by Student's t of so many events.
+    # A measured mean scatters about the true one by Student's t.
     spread = student_half_width(1.0, params.events_measured)
     frame = partial(series_frame, x_unit="deg", y_unit="1")
     frames = [frame(panel, "smooth", angles[free], y[free]) for panel, y in heights.items()]

@@ -18,10 +18,10 @@ from study.tables import Row
 
 # Standard deviation of a quantity that may lie anywhere within one half-width.
 RECTANGULAR = np.sqrt(3.0)
-# Standard deviations between which a solution is sought, in so many steps, and relative step of a
-# derivative.
+# Standard deviations between which a solution is sought, and points of the grid that brackets it.
 SLOPE_SDS = (0.05, 0.6)
 GRID = 10
+# Relative step of a derivative.
 STEP = 0.02
 
 
@@ -42,7 +42,7 @@ def infer_slope(ensemble: Ensemble, settings: SlopeInference, events_measured: i
     """Return the standard deviation of the slope that meets the restitution, and its uncertainty.
 
     All slopes share their random numbers, so that the restitution is a smooth function of the
-    slope. The uncertainty has four parts: the interval of a mean of so many events, angle and
+    slope. The uncertainty has four parts: the interval of the measured mean, angle and
     smooth restitution within their half-widths, and the number of events drawn.
 
     Parameters

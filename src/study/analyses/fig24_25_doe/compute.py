@@ -66,7 +66,7 @@ _frame = partial(series_frame, x_unit="percent", y_unit="1")
 class FitSampling:
     """How restitution is sampled to find the capture velocity by a fit of Eq. (34).
 
-    Speeds lie within `FITTED`, one drawn at random in each of so many equal steps of the logarithm.
+    Speeds lie within `FITTED`: `points` equal steps of the logarithm, a random speed in each.
     """
 
     points: Annotated[int, Field(ge=8, le=10_000)]

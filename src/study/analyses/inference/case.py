@@ -128,9 +128,8 @@ class Case:
     diameter_um: Positive
     speed_m_per_s: Positive
     classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
-    # Between the normal of the target and that of the camera, of an experiment; random slopes of
-    # the surface (standard deviation of the tangent), of which a mean over so many spheres has its
-    # part.
+    # Standard deviations: of the angle between the normals of target and camera, by experiment; of
+    # the surface's random slope (its tangent), which the mean over the spheres reduces.
     angle_error_deg: NonNegative
     surface_slope: NonNegative
     spheres: Count

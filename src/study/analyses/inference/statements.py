@@ -39,9 +39,9 @@ from study.declared.parameters import AngleDegrees, Ascending, Count, Finite, Na
 IMPOSSIBLE = -1e6
 # Of a deviation without an error, in tails; and a turn by which values are derived, rad.
 NO_ERROR, TURN = 1e-9, 1e-3
-# Contacts so far below the best one of a batch, their worst statement aside, are followed no more.
+# Contacts this far below the best one of a batch, their worst statement aside, are dropped.
 UNLIKELY = 60.0
-# A contact is consistent with a statement that it misses by no more than so many deviations.
+# A contact is consistent with a statement that it misses by no more standard deviations than these.
 CONSISTENT = 2.0
 # Nodes over the sizes of a class (Gauss and Hermite), and over those of a share that is captured.
 _ROOTS, _WEIGHTS = np.polynomial.hermite_e.hermegauss(3)
@@ -89,7 +89,7 @@ class Statement:
     # Where the likelihood is one, in the unit that the quantity names; normal tails beyond.
     interval: Annotated[tuple[Finite, Finite], Ascending]
     tail: Positive
-    spheres: Count = 1  # Of a share captured: so many were looked at
+    spheres: Count = 1  # Looked at, of a share captured
     is_open: bool = False  # One of its impacts is meant; which, is not stated
     # A statement of the same experiments as its first impact: both have one error of the normal.
     same_normal_as: Name | None = None

@@ -41,15 +41,16 @@ from study.declared.parameters import (
 )
 from study.tables import NotComputedError, Tables, not_computed, reason, series_frame
 
-# Spheres that may be measured in some experiment: they arrive no further from the middle of the
-# probe volume than this, m, cross one that is wider by this factor and at most so many standard
-# deviations higher or lower, at speeds that a noise of as many may bring into the class.
+# Spheres that some experiment may measure arrive no farther than this, m, from the middle of the
+# probe volume.
 NEAR_PROBE = 3e-4
+# They cross a probe volume that is wider by this factor.
 WIDER = 1.3
+# Errors of its height, and noise that brings speeds into the class: up to this many deviations.
 REACH = 4.0
-# Looked at in one experiment: so many standard deviations more than it needs on average.
+# Spheres looked at in one experiment: more than it needs on average, by these standard deviations.
 SPARE = 6.0
-# Experiments with the analyser, by height of its probe, are repeated in so many groups.
+# Experiments with the analyser, in the order of the probe's height, are simulated in these groups.
 GROUPS = 20
 # Searches for the height of the probe: each starts from the last.
 ROUNDS = 3
@@ -204,7 +205,7 @@ def _share(good: BoolArray) -> float:
 
 
 def _enough(events: int, share: float) -> int:
-    """Return how many must be looked at to be sure of so many events."""
+    """Return how many must be looked at to be sure of the events wanted."""
     if share <= 0.0:
         raise NotComputable(f"no event in the speed range can be measured: {events} are wanted")
     # n p - SPARE sqrt(n p (1 - p)) = events

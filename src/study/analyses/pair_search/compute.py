@@ -36,8 +36,8 @@ from study.declared.parameters import CaseName, Count, MaterialName, Points, Pos
 from study.laboratory import Laboratory
 from study.tables import Row, Tables, series_frame
 
-# Particles released, at most, for each that is to fall through the probe volume; so many of these
-# at a time.
+# Particles released, at most, for each that is to fall through the probe volume, and how many of
+# the latter are sought at a time.
 MOST_RELEASED, AT_ONCE = 20_000, 100
 # The stream that is shown: slow enough for some rebounds to be missing, m/s, and the release after
 # one tap.
@@ -83,7 +83,7 @@ class Apparatus:
 def dropped(
     setup: Apparatus, speed: float, particles: int, key: tuple[int, ...], experiments: int = 1
 ) -> Impacts:
-    """Drop particles at a nominal speed, m/s, until so many fall through the probe volume.
+    """Drop particles at a nominal speed, m/s, until `particles` fall through the probe volume.
 
     Only they are followed, and they alone arrive at the dispenser's rate: the stream of records
     is then as dense as declared, however few of all particles find the probe volume. Experiments
@@ -123,7 +123,7 @@ def _through_probe(
 def observed(
     setup: Apparatus, speed: float, particles: int, *keys: tuple[int, ...], experiments: int = 1
 ) -> list[Observation]:
-    """Observe experiments of so many particles each, with keys of particles and of analyser."""
+    """Observe experiments of `particles` each, with keys of particles and of analyser."""
     impacts = dropped(setup, speed, particles, keys[0], experiments)
     rng, drop = generator(setup.seed, *keys[1]), setup.drop(speed)
     later = drop.target.later(impacts.diameter, rng)
@@ -152,7 +152,7 @@ FORMS: tuple[Form, ...] = ("printed", "exact")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Correction:
-    """Impacts at exact speeds with given restitution, so many of each."""
+    """Impacts at exact speeds with a given restitution, `particles` of each."""
 
     speeds_m_per_s: tuple[Positive, ...]
     restitutions: tuple[Annotated[float, Field(gt=0, le=1)], ...]
