@@ -51,7 +51,7 @@ CAPTURE_VELOCITIES = (
 )
 
 
-def printed_beside(inputs: Tables, *pair: str, **impact: float) -> pd.DataFrame:
+def printed_values_for(inputs: Tables, *pair: str, **impact: float) -> pd.DataFrame:
     """Return the printed values that are of an impact, by key.
 
     Parameters
@@ -74,7 +74,9 @@ def printed_beside(inputs: Tables, *pair: str, **impact: float) -> pd.DataFrame:
     cells = rows[list(IMPACT)].astype(object).fillna("").astype(str)
     quantities: dict[str, str | float] = {**dict(zip(IMPACT, pair, strict=False)), **impact}
     for column, quantity in quantities.items():
-        cells = cells[cells[column].map(lambda cell, q=quantity: names(cell, q)).astype(bool)]
+        cells = cells[
+            cells[column].map(lambda cell, q=quantity: cell_matches(cell, q)).astype(bool)
+        ]
     return rows.loc[cells.index]
 
 
@@ -84,7 +86,7 @@ def intervals(cell: Any) -> list[tuple[float, ...]]:
     return [tuple(map(float, part.split(" to "))) for part in parts]
 
 
-def names(cell: str, quantity: str | float) -> bool:
+def cell_matches(cell: str, quantity: str | float) -> bool:
     """Return whether a cell is empty, or holds a name, or a number within its `DIGITS`."""
     if not cell or isinstance(quantity, str):
         return not cell or quantity in cell.split("; ")
@@ -94,13 +96,13 @@ def names(cell: str, quantity: str | float) -> bool:
 
 def all_printed(inputs: Tables) -> pd.Series:
     """Return the printed values that a study reads, by key."""
-    return printed_beside(inputs)["value"]
+    return printed_values_for(inputs)["value"]
 
 
 def printed_capture_velocity(inputs: Tables, contact: Contact) -> float:
     """Return the capture velocity (m/s) printed of a contact, nan if there is none."""
     pair, diameter = (contact.particle.name, contact.surface.name), 1e6 * float(contact.diameter)
-    values = printed_beside(inputs, *pair, diameter_um=diameter)["value"]
+    values = printed_values_for(inputs, *pair, diameter_um=diameter)["value"]
     values = values[values.index.isin(CAPTURE_VELOCITIES)]
     return float(values.iloc[0]) if len(values) else np.nan
 
@@ -162,7 +164,7 @@ def posterior_contact(inputs: Tables, rows: pd.DataFrame) -> Contact:
     return contact
 
 
-def posterior_beside(
+def posterior_contacts_at(
     inputs: Tables, posterior: Posterior, case: str, diameter: float
 ) -> dict[str, Contact]:
     """Return the contacts of a posterior at a diameter (m), none if they are of another pair.

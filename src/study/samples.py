@@ -113,11 +113,11 @@ class Sample:
         """Return a sample on the calibrated contact of its case."""
         return cls(dropped=dropped, contact=contact_of(dropped, inputs), sampling=sampling)
 
-    def but(self, **changes: Any) -> Sample:
+    def with_changes(self, **changes: Any) -> Sample:
         """Return the sample with other fields of its drop; the contact stays."""
         return replace(self, dropped=replace(self.dropped, **changes))
 
-    def on(self, contact: Contact) -> Sample:
+    def with_contact(self, contact: Contact) -> Sample:
         """Return the same on another contact."""
         return replace(self, contact=contact)
 

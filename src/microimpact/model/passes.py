@@ -169,7 +169,7 @@ def look_up(w, coordinate, law, out, start):  # type: ignore[no-untyped-def]
     if not _fits(law[1]):
         return  # never
     for i in range(w.size):
-        _, captured, where = _find(w[i], _of(coordinate, i), law)
+        _, captured, where = _find(w[i], _broadcast_item(coordinate, i), law)
         for quantity in range(WIDTH):
             out[quantity, start + i] = _value(quantity, law[1], where)
         if captured:
@@ -198,11 +198,11 @@ def restitution(w, coordinate, law, out):  # type: ignore[no-untyped-def]
     if not _fits(law[1]):
         return  # never
     for i in range(w.size):
-        out[i] = _restitution(w[i], _of(coordinate, i), law)
+        out[i] = _restitution(w[i], _broadcast_item(coordinate, i), law)
 
 
 @_jit_inline
-def _of(values, i):  # type: ignore[no-untyped-def]
+def _broadcast_item(values, i):  # type: ignore[no-untyped-def]
     """Return the value for an impact; a single value holds for all."""
     return values[i] if values.size > 1 else values[0]
 
@@ -263,8 +263,21 @@ def planar(v_n, v_t, spin, radius, e, change, out):  # type: ignore[no-untyped-d
         Room for the outcomes, (rows, n).
     """
     for i in range(out.shape[1]):
-        slow, along, turn = _of(v_n, i), _of(v_t, i), _of(spin, i)
-        _planar(i, slow, along, turn, _of(radius, i), _of(e, i), _of(change, i), out)
+        slow, along, turn = (
+            _broadcast_item(v_n, i),
+            _broadcast_item(v_t, i),
+            _broadcast_item(spin, i),
+        )
+        _planar(
+            i,
+            slow,
+            along,
+            turn,
+            _broadcast_item(radius, i),
+            _broadcast_item(e, i),
+            _broadcast_item(change, i),
+            out,
+        )
 
 
 @_jit_contract
@@ -297,8 +310,12 @@ def tabulated(  # type: ignore[no-untyped-def]
     for j in range(indices.size):
         i = indices[j]
         if j == 0 or angle.size > 1:
-            sine, cosine = _components(_of(angle, i))
-        v_n, v_t, omega = sine * _of(speed, i), cosine * _of(speed, i), _of(spin, i)
+            sine, cosine = _components(_broadcast_item(angle, i))
+        v_n, v_t, omega = (
+            sine * _broadcast_item(speed, i),
+            cosine * _broadcast_item(speed, i),
+            _broadcast_item(spin, i),
+        )
         row = i if contacts.shape[0] > 1 else 0
         radius, friction = contacts[row, RADIUS], contacts[row, FRICTION]
         ratio, captured, where = _find(v_n / contacts[row, UNIT], contacts[row, PLACE], law)

@@ -146,7 +146,7 @@ class Context:
         return replace(self, contacts=resized(self.steel, np.atleast_1d(self.steel.diameter)))
 
     def once(self, key: Hashable, make: Callable[[], Any]) -> Any:
-        """Return what is made once for all claims; each that takes it reads the calibration."""
+        """Return a value that claims share, computed once; each of them reads the calibration."""
         _ = self.inputs["calibration"], self.inputs["materials"]
         if key not in self.made:
             self.made[key] = make()

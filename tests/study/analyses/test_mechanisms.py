@@ -151,7 +151,7 @@ def test_a_sample_without_spreads_is_the_single_impact(contact, angle):
 
 def test_slopes_lower_restitution_at_steep_angles_and_raise_it_at_shallow_ones(contact):
     smooth = on(contact)
-    rough = smooth.but(surface_slope=0.1)
+    rough = smooth.with_changes(surface_slope=0.1)
     steep, shallow = (
         difference_columns(rough.seen(a), smooth.seen(a), SAMPLING) for a in (85.0, 15.0)
     )

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 from tests.shared import shipped
 
-from study.contacts import intervals, printed_beside
+from study.contacts import intervals, printed_values_for
 from study.declared.references import merged
 from study.run.config import validate
 
@@ -33,17 +33,17 @@ def inputs(settings):
     ],
 )
 def test_a_value_appears_beside_its_pair_size_speed_and_angle(inputs, pair, impact, appears):
-    keys = printed_beside(inputs, *pair, **impact).index
+    keys = printed_values_for(inputs, *pair, **impact).index
     assert ("restitution_sst65_silicon_25deg" in keys) == appears
 
 
 def test_a_general_value_appears_beside_every_impact(inputs):
-    keys = printed_beside(inputs, "lycopodium", "mica", diameter_um=1.0, angle_deg=5.0).index
+    keys = printed_values_for(inputs, "lycopodium", "mica", diameter_um=1.0, angle_deg=5.0).index
     assert "doe_small_variation" in keys
 
 
 def test_no_restitution_of_steel_is_printed_for_normal_impact(inputs):
-    printed = printed_beside(inputs, *STEEL, angle_deg=90.0)
+    printed = printed_values_for(inputs, *STEEL, angle_deg=90.0)
     assert not printed.index.str.startswith("restitution").any()
 
 

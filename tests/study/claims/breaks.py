@@ -148,7 +148,7 @@ def strong_spore(claim, world):
         met = plain(restitution, sample, angle)
         factor = 2.0 if sample.dropped.case.startswith("lycopodium") else 1.0
         work = factor * met.contact.work_of_adhesion
-        return met.on(met.contact.replace(work_of_adhesion=work))
+        return met.with_contact(met.contact.replace(work_of_adhesion=work))
 
     world.patch.setattr(spore_mechanism, "met_at", doubled)
     return world.numbers(claim, world.study("mechanisms", {}))

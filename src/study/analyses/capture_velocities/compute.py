@@ -70,7 +70,7 @@ class Params:
 
 
 # Capture velocity of a contact by a law.
-Law = Callable[[Contact], Real]
+CaptureLaw = Callable[[Contact], Real]
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -110,7 +110,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
 
 
-def laws_of(pair: PairCase, contact: Contact) -> dict[str, Law]:
+def laws_of(pair: PairCase, contact: Contact) -> dict[str, CaptureLaw]:
     """Return the laws that apply to a pair, by name.
 
     Dahneke's restitution is that of this model at the pair's diameter, at `PLATEAU`.
@@ -121,7 +121,7 @@ def laws_of(pair: PairCase, contact: Contact) -> dict[str, Law]:
     def dahneke(sphere: Contact) -> Real:
         return dahneke_velocity(adhesion_energy(sphere), sphere.mass, plateau)
 
-    laws: dict[str, Law] = {
+    laws: dict[str, CaptureLaw] = {
         MODEL: capture_velocity,
         JKR: jkr_sticking_velocity,
         BRACH_DUNN: brach_dunn_velocity,
@@ -140,7 +140,7 @@ def local_exponent(velocity: Callable[[Contact], Real], contact: Contact, step: 
     return float(np.diff(np.log(ends))[0] / (2.0 * step))
 
 
-def _row(contact: Contact, name: str, law: Law, printed: float) -> Row:
+def _row(contact: Contact, name: str, law: CaptureLaw, printed: float) -> Row:
     velocity = float(law(contact))
     return {
         "particle": contact.particle.name,
@@ -158,7 +158,7 @@ def _curves(
     params: Params,
     case: str,
     contact: Contact,
-    laws: Mapping[str, Law],
+    laws: Mapping[str, CaptureLaw],
     evidence: Mapping[str, str],
 ) -> list[pd.DataFrame]:
     diameter = np.geomspace(*DIAMETERS_UM, params.points)

@@ -21,7 +21,7 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution, generator, mean
 from microimpact.statistics.intervals import mean_and_error
-from study.contacts import calibrated_contact, pair_of, printed_beside
+from study.contacts import calibrated_contact, pair_of, printed_values_for
 from study.declared.parameters import (
     CaseName,
     ExperimentSeed,
@@ -109,7 +109,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
     pair, populations = pair_of(inputs, params.case), params.populations.values()
     sizes = [mean(population.diameter_um) for population in populations]
-    printed = pd.concat([printed_beside(inputs, *pair, diameter_um=size) for size in sizes])
+    printed = pd.concat([printed_values_for(inputs, *pair, diameter_um=size) for size in sizes])
     series = sieves_drawn(params, params.case, curves)
     second = sieves_drawn(params, params.other_case, curves, ", other end")
     drawn = {**series, **(second if params.other_case != params.case else {})}

@@ -22,7 +22,7 @@ from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.statistics.distributions import child, generator, mean
 from microimpact.statistics.intervals import mean_and_error
-from study.contacts import intervals, printed_beside
+from study.contacts import intervals, printed_values_for
 from study.declared.parameters import (
     AngleDegrees,
     Count,
@@ -232,7 +232,7 @@ def printed_of(series: Series, contact: Contact, inputs: Tables) -> pd.DataFrame
     """Return the printed values of the impacts of a series."""
     pair = contact.particle.name, contact.surface.name
     size, speed = mean(series.diameter_um), series.speed_m_per_s
-    return printed_beside(inputs, *pair, diameter_um=size, speed_m_per_s=speed)
+    return printed_values_for(inputs, *pair, diameter_um=size, speed_m_per_s=speed)
 
 
 def relative_points(params: Params, table: pd.DataFrame) -> pd.DataFrame:

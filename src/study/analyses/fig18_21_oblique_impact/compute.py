@@ -21,8 +21,8 @@ from study.contacts import (
     Posterior,
     calibrated_contact,
     pair_of,
-    posterior_beside,
-    printed_beside,
+    posterior_contacts_at,
+    printed_values_for,
 )
 from study.declared.parameters import CaseName, Finite, Fraction, Points, Positive
 from study.tables import Tables, series_frame
@@ -109,7 +109,7 @@ def impulse_ratios(
             frames.append(_frame("adhesion", "simulation", angle[rebound], ratio))
     size, speed = params.diameter_um, params.speed_m_per_s
     pair = pair_of(inputs, params.case)
-    printed = printed_beside(inputs, *pair, diameter_um=size, speed_m_per_s=speed)["value"]
+    printed = printed_values_for(inputs, *pair, diameter_um=size, speed_m_per_s=speed)["value"]
     if set(PRINTED_VALUES) <= set(printed.index):
         *ends, plateau = printed[list(PRINTED_VALUES)]
         frames.append(_frame("adhesion", "printed plateau", ends, plateau, "printed"))
@@ -160,7 +160,7 @@ def posterior_bands(params: Params, inputs: Tables, angle: FloatArray) -> pd.Dat
     count, at angles where at least half do. Empty if the contacts are of another pair.
     """
     diameter = params.diameter_um * 1e-6
-    contacts = posterior_beside(inputs, params.posterior, params.case, diameter)
+    contacts = posterior_contacts_at(inputs, params.posterior, params.case, diameter)
     if not contacts:
         return pd.DataFrame({"panel": []})
     at = params.speed_m_per_s, angle[:, None], params.spin_rad_per_s

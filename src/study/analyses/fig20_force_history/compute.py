@@ -11,7 +11,7 @@ import pandas as pd
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import Trajectory, trajectory
-from study.contacts import calibrated_contact, fitted_to, pair_of, printed_beside
+from study.contacts import calibrated_contact, fitted_to, pair_of, printed_values_for
 from study.declared.parameters import AngleDegrees, CaseName, Points, Positive
 from study.tables import Tables, result_evidence, series_frame
 
@@ -60,7 +60,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         ("coefficient_of_restitution", "-"): float(outcome.coefficient_of_restitution),
         ("capture_velocity", "m/s"): float(capture_velocity(contact)),
     }
-    printed = printed_beside(
+    printed = printed_values_for(
         inputs,
         *pair_of(inputs, params.case),
         diameter_um=params.diameter_um,

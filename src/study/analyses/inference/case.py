@@ -61,7 +61,7 @@ Basis = FrictionBasis | Literal["pull-off"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Law:
+class LawPrior:
     """A law of contact, ranges of its free parameters, and normal forces that friction may take."""
 
     law: Kind
@@ -133,7 +133,7 @@ class Case:
     angle_error_deg: NonNegative
     surface_slope: NonNegative
     spheres: Count
-    laws: Annotated[dict[Name, Law], Field(min_length=1)]
+    laws: Annotated[dict[Name, LawPrior], Field(min_length=1)]
     statements: Annotated[dict[Name, Statement], Field(min_length=2)]
     shown_m_per_s: PositiveRange  # Normal speeds of the figures
     compared: tuple[CaseName, ...]  # Cases of the two-stage calibration to be compared with
@@ -166,7 +166,7 @@ class Case:
             changes = {f.name: getattr(choice, f.name) for f in fields(choice)}
             yield "choice", name, replace(first, **{k: v for k, v in changes.items() if v})
 
-    def friction_bases(self, law: Law) -> tuple[Basis, ...]:
+    def friction_bases(self, law: LawPrior) -> tuple[Basis, ...]:
         """Return the normal forces in Coulomb's law that some scenario has with a law."""
         named = (each.friction_bases for _, _, each in self.rows())
         return tuple(dict.fromkeys(chain(law.friction_bases, *named)))
@@ -204,7 +204,7 @@ class Judged:
     """Values of a law's contacts for the statements of a case; each likelihood is made once."""
 
     case: Case
-    law: Law
+    law: LawPrior
     values: Values
     _logs: dict[tuple[Any, ...], FloatArray] = field(default_factory=dict)
 

@@ -29,7 +29,7 @@ from microimpact.statistics.distributions import generator
 from study.analyses.inference.case import (
     Case,
     Judged,
-    Law,
+    LawPrior,
     Likelihood,
     Parameter,
     Scenario,
@@ -168,7 +168,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
 
 
-def values_at(case: Case, law: Law, inputs: Tables, points: FloatArray) -> Values:
+def values_at(case: Case, law: LawPrior, inputs: Tables, points: FloatArray) -> Values:
     """Return the values of contacts of a law at points of the unit cube (n, axes)."""
     bare, classes = case.bare(inputs), np.array(case.classes_um)
     parameters = law.parameters(points)

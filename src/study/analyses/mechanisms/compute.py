@@ -25,7 +25,7 @@ from study.analyses.mechanisms.shallow import (
 from study.analyses.mechanisms.slope import Slope, slope_tables
 from study.analyses.mechanisms.spin import Spin, spin_tables
 from study.analyses.mechanisms.spore import CAMERA, Spore, spore_tables
-from study.contacts import pair_of, printed_beside
+from study.contacts import pair_of, printed_values_for
 from study.declared.parameters import CaseName, Count
 from study.samples import Sampling
 from study.tables import Tables, series_frame
@@ -86,7 +86,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         "adhesion_or_roughness": pd.DataFrame(adhesion_or_roughness(params.shallow, curves)),
         **loss_tables(params.loss, sampling, inputs),
     }
-    printed = printed_beside(inputs, *pair_of(inputs, params.spore.spore.case))
+    printed = printed_values_for(inputs, *pair_of(inputs, params.spore.spore.case))
     return {**tables, **figure_data(params, tables, curves, printed)}
 
 

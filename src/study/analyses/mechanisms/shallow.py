@@ -58,7 +58,9 @@ def shallow_curves(
             params.restitution,
         )
         curves[case, "adhesion"] = _both(params, sample)
-        curves[case, "slopes"] = _both(params, sample.on(bare).but(surface_slope=params.slope_sd))
+        curves[case, "slopes"] = _both(
+            params, sample.with_contact(bare).with_changes(surface_slope=params.slope_sd)
+        )
     return curves
 
 
@@ -76,7 +78,7 @@ def _both(params: Shallow, sample: Sample) -> tuple[Curve, Curve]:
 
 def _curve(params: Shallow, sample: Sample, speed: float, normal_speed: FloatArray) -> Curve:
     width = params.half_width_m_per_s
-    speed_class = sample.but(
+    speed_class = sample.with_changes(
         speed_m_per_s=speed, speed_range_m_per_s=(speed - width, speed + width)
     )
     angle = np.degrees(np.arcsin(np.minimum(normal_speed / speed, 1.0)))

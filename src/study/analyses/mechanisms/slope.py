@@ -58,9 +58,9 @@ def sweep_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[di
     for case in params.cases:
         sample = Sample.of(replace(params.swept, case=case), sampling, inputs)
         for angle in params.angles_deg:
-            smooth = sample.but(surface_slope=0.0).seen(angle)
+            smooth = sample.with_changes(surface_slope=0.0).seen(angle)
             for slope in params.slope_sds:
-                sloped = sample.but(surface_slope=slope).seen(angle)
+                sloped = sample.with_changes(surface_slope=slope).seen(angle)
                 yield (
                     {"case": case, "slope_sd": slope, "angle_deg": angle}
                     | mean_columns(sloped)
@@ -75,7 +75,9 @@ def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dic
         flat, sloped = (Sample.of(of, sampling, inputs) for of in (pair.smooth, pair.rough))
         work = sloped.contact.work_of_adhesion
         assert work is not None
-        sloped = sloped.on(sloped.contact.replace(work_of_adhesion=work * pair.adhesion_factor))
+        sloped = sloped.with_contact(
+            sloped.contact.replace(work_of_adhesion=work * pair.adhesion_factor)
+        )
         for angle in params.angles_deg:
             smooth, rough = flat.seen(angle), sloped.seen(angle)
             e, e_rough = (one.means["restitution"].value for one in (smooth, rough))

@@ -60,7 +60,7 @@ def grid_rows(params: Spin, sample: Sample) -> Iterator[dict[str, Any]]:
     spins = [(0.0, sd) for sd in params.spreads]
     spins += [(m, params.spread_about_mean) for m in params.means]
     for (spin_mean, sd), angle in product(spins, params.angles_deg):
-        turning = sample.but(spin=InitialSpin(mean=spin_mean, sd=sd))
+        turning = sample.with_changes(spin=InitialSpin(mean=spin_mean, sd=sd))
         yield (
             {"case": sample.dropped.case, "spin_mean": spin_mean, "spin_sd": sd, "angle_deg": angle}
             | mean_columns(turning.seen(angle))
@@ -72,7 +72,7 @@ def needed_rows(params: Spin, sample: Sample) -> Iterator[dict[str, Any]]:
     """Mean spin that brings the mean impulse ratio to zero; empty with too few rebounds."""
 
     def turning(spin: float) -> Sample:
-        return sample.but(spin=InitialSpin(mean=spin, sd=params.spread_about_mean))
+        return sample.with_changes(spin=InitialSpin(mean=spin, sd=params.spread_about_mean))
 
     for angle in params.angles_deg:
         # Spin does not decide on capture: too few rebounds without it are too few with it.

@@ -160,17 +160,17 @@ def spore_tables(
 def causes(params: Spore) -> dict[str, Callable[[Sample, float], Seen]]:
     """Return the causes by name: the rebounds of spores with their slopes, at an angle."""
 
-    def but(slopes: Sample, angle: float, **changes: Any) -> Seen:
-        return slopes.but(**changes).seen(angle)
+    def seen_with(slopes: Sample, angle: float, **changes: Any) -> Seen:
+        return slopes.with_changes(**changes).seen(angle)
 
     def off(slopes: Sample, angle: float, sd: float) -> Seen:
-        return off_centre(slopes.but(particle_slope=0.0), angle, offset_sd=sd)
+        return off_centre(slopes.with_changes(particle_slope=0.0), angle, offset_sd=sd)
 
     return {
-        "none": partial(but, particle_slope=0.0),
+        "none": partial(seen_with, particle_slope=0.0),
         "slopes, first contacts": partial(Sample.seen, most_contacts=1),
         "slopes": Sample.seen,
-        **{f"slopes of {sd:g}": partial(but, particle_slope=sd) for sd in params.slope_sds},
+        **{f"slopes of {sd:g}": partial(seen_with, particle_slope=sd) for sd in params.slope_sds},
         **{f"off centre, {sd:g}": partial(off, sd=sd) for sd in params.offset_sds},
     }
 
@@ -227,7 +227,7 @@ def met_at(restitution: float, sample: Sample, angle: float) -> Sample:
 
     def scaled(factor: float) -> Sample:
         dampings = {name: factor * getattr(sample.contact, name) for name in names}
-        return sample.on(sample.contact.replace(**dampings))
+        return sample.with_contact(sample.contact.replace(**dampings))
 
     return scaled(setting_for(scaled, "restitution", angle, restitution, *FACTORS))
 

@@ -21,7 +21,7 @@ from microimpact.model.choices import TANGENTIAL_LAWS
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
-from study.contacts import calibrated_contact, pair_of, printed_beside
+from study.contacts import calibrated_contact, pair_of, printed_values_for
 from study.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -119,7 +119,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     compared = comparison(inputs["external"], contact, params.speed_m_per_s, varied)
     figures = [*curves(params, contact, small), *marks(compared, params, contact)]
     pair = pair_of(inputs, spheres.case)
-    if len(printed_beside(inputs, *pair, speed_m_per_s=spheres.speed_m_per_s)):
+    if len(printed_values_for(inputs, *pair, speed_m_per_s=spheres.speed_m_per_s)):
         figures.append(printed_transition(spheres))
     panels = {
         panel: pd.concat([f for f in figures if (f["panel"] == panel).any()], ignore_index=True)

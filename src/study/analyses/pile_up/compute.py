@@ -21,7 +21,7 @@ from microimpact.model.calibration import two_stage
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.distributions import Distribution, generator, mean
-from study.contacts import Posterior, calibrated_contact, pair_of, printed_beside
+from study.contacts import Posterior, calibrated_contact, pair_of, printed_values_for
 from study.declared.parameters import (
     Ascending,
     CaseName,
@@ -83,7 +83,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     """
     table = pd.DataFrame(_rows(params, contacts(params, inputs)))
     size = mean(params.diameter_um)
-    printed = printed_beside(inputs, *pair_of(inputs, params.case), diameter_um=size)
+    printed = printed_values_for(inputs, *pair_of(inputs, params.case), diameter_um=size)
     ends = printed[["low", "high"]].to_numpy().ravel()
     return {
         "pile_up": table,

@@ -22,8 +22,8 @@ from study.contacts import (
     CAPTURE_VELOCITIES,
     calibrated_contact,
     pair_of,
-    printed_beside,
     printed_capture_velocity,
+    printed_values_for,
 )
 from study.declared.parameters import (
     AngleDegrees,
@@ -123,9 +123,9 @@ def run(params: Params, inputs: Tables) -> Tables:
         declared rows; ``printed``: printed values.
     """
     contacts = {case: calibrated_contact(inputs, case) for case in params.cases}
-    printed = printed_beside(inputs)
+    printed = printed_values_for(inputs)
     pairs = {pair_of(inputs, case) for case in params.cases}
-    is_marked = all(set(MARKS) <= set(printed_beside(inputs, *pair).index) for pair in pairs)
+    is_marked = all(set(MARKS) <= set(printed_values_for(inputs, *pair).index) for pair in pairs)
     marks = printed if is_marked else printed.iloc[:0]
     first = next(iter(contacts.values()))
     needed = forces(params, first, printed_capture_velocity(inputs, first))
