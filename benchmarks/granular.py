@@ -18,7 +18,7 @@ from benchmarks.cases import Cases, as_hertz_pair, as_jkr_contact
 from microimpact import Contact
 from microimpact.model.closed_forms import contact_modulus, hertz_contact_time
 from microimpact.model.contact_laws import JKR
-from microimpact.model.dynamics.laws import PULL_OFF, jkr_restitution
+from microimpact.model.dynamics.force_laws import PULL_OFF, jkr_restitution
 
 MPI = "libmpi.so.12"
 MPI_PLACES = ("/usr/lib/*/libmpich.so.12", "/usr/lib*/libmpich.so.12")

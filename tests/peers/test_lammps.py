@@ -19,8 +19,8 @@ from microimpact.model.closed_forms import contact_modulus
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.force_laws import PULL_OFF, jkr_restitution
 from microimpact.model.dynamics.impact import Impact, planar
-from microimpact.model.dynamics.laws import PULL_OFF, jkr_restitution
 from microimpact.model.law.export import export
 from microimpact.model.reference import CASES, lammps_test
 from microimpact.model.verification import ENDS, WORKS, verify

@@ -1,7 +1,8 @@
 """Laws of the normal force beside the article's ring force, as records of their parameters.
 
 Each of them rests on the contact of Johnson, Kendall and Roberts 1971 (JKR), with the work of
-adhesion and the materials of its `Contact`; what it does is in `microimpact.model.dynamics.laws`.
+adhesion and the materials of its `Contact`; its forces are in
+`microimpact.model.dynamics.force_laws`.
 """
 
 from __future__ import annotations

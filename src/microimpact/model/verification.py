@@ -1,7 +1,7 @@
 """Restitution of another code against the reference, and which mistake the difference looks like.
 
 Each known mistake is computed, not fitted: its curve of e follows from the case. In terms of the
-s of `microimpact.model.dynamics.laws`, JKR's contact closes at ``s^3 = 4 b`` and breaks at
+s of `microimpact.model.dynamics.force_laws`, JKR's contact closes at ``s^3 = 4 b`` and breaks at
 ``s^3 = b``; at ``3 b`` the pull is the greatest, at ``6 b`` there is none.
 """
 
@@ -26,7 +26,7 @@ from microimpact.core.arrays import (
 from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
-from microimpact.model.dynamics import laws
+from microimpact.model.dynamics import force_laws
 from microimpact.model.dynamics.impact import SPEED
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.reference import CASES
@@ -150,7 +150,7 @@ def mistakes(contact: Contact, speed: FloatArray) -> Iterator[tuple[str, FloatAr
             words = "; ".join(filter(None, (begun, broken, taken)))
             if words and (begun or broken):
                 work = contact.replace(work_of_adhesion=factor * (contact.work_of_adhesion or 0.0))
-                yield words, laws.jkr_restitution(work, speed, start, end)
+                yield words, force_laws.jkr_restitution(work, speed, start, end)
 
 
 def _other_contacts(contact: Contact) -> Iterator[tuple[str, Contact]]:

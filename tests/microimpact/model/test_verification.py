@@ -14,7 +14,7 @@ from microimpact.core.materials import Material
 from microimpact.model import reference, verification
 from microimpact.model.closed_forms import jkr_loss
 from microimpact.model.contact_laws import JKR
-from microimpact.model.dynamics.laws import jkr_restitution
+from microimpact.model.dynamics.force_laws import jkr_restitution
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.reference import CASES
 from microimpact.model.verification import ENDS, NOT_REDUCED, RIGID_WALL, STARTS, TIME_STEP, WORKS

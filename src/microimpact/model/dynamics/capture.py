@@ -13,7 +13,7 @@ import numpy as np
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.solve import roots
 from microimpact.model.contact import Contact, require_contact
-from microimpact.model.dynamics import kernel, laws
+from microimpact.model.dynamics import force_laws, kernel
 from microimpact.model.dynamics.normal import (
     ALWAYS_CAPTURED_ADHESION_GROUP,
     ALWAYS_CAPTURED_HERTZ_GROUP,
@@ -84,7 +84,7 @@ def capture_velocity(contact: Contact) -> FloatArray:
     """
     require_contact(contact, any_law=True, pair=True)
     if contact.law is not None:
-        return laws.capture_speed(contact)
+        return force_laws.capture_speed(contact)
     shape = contact.shape
 
     def flat(value: Real) -> FloatArray:

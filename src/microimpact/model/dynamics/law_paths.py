@@ -1,8 +1,8 @@
 """Path of one impact by a law of `microimpact.model.contact_laws` against time.
 
-Every law is three legs, in the scaled form of `dynamics.laws`: the contact grows until the sphere
-turns; its radius stays while adhesion grows; it shrinks until it breaks, or the sphere turns again.
-Where the work of separation goes with the speed of the edge, the last two are one.
+Every law is three legs, in the scaled form of `dynamics.force_laws`: the contact grows until the
+sphere turns; its radius stays while adhesion grows; it shrinks until it breaks, or the sphere turns
+again. Where the work of separation goes with the speed of the edge, the last two are one.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
-from microimpact.model.dynamics.laws import Loading, Problem, Unloading
+from microimpact.model.dynamics.force_laws import Loading, Problem, Unloading
 
 # Of one leg at most, scaled: an overdamped sphere creeps for ever.
 LONGEST = 50.0

@@ -17,8 +17,8 @@ from microimpact.core.arrays import BoolArray, FloatArray, Real, common_shape
 from microimpact.core.computable import NotComputable
 from microimpact.model import passes
 from microimpact.model.contact import Contact, require_contact
-from microimpact.model.dynamics import kernel, laws
-from microimpact.model.dynamics.laws import Scales
+from microimpact.model.dynamics import force_laws, kernel
+from microimpact.model.dynamics.force_laws import Scales
 
 # By comparison of trajectories, more damping never helps a rebound. Without adhesion damping no
 # speed rebounds above C_H = 0.48741, without material damping none above C_A = 1.16280 (by the
@@ -404,9 +404,9 @@ def losses(contact: Contact, speed: Real) -> Losses:
 
 
 def _by_law(contact: Contact, speed: Real) -> NormalImpact:
-    problem, scales, shape = laws.scaled(contact, speed)
+    problem, scales, shape = force_laws.scaled(contact, speed)
     with np.errstate(over="ignore", invalid="ignore"):  # of brackets; no root is an error
-        outcome = laws.solve(problem)
+        outcome = force_laws.solve(problem)
     time, impulse = scales.length / scales.velocity, scales.mass * scales.velocity
     s, energy = outcome.deepest, scales.mass * scales.velocity**2
     compression = s**4 - 4.0 * problem.closing * s

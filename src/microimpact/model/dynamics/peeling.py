@@ -1,7 +1,7 @@
 """Compiled integration of the way back of a contact whose edge opens by its own speed.
 
 Contact radius a and compression d are independent, as for a flat punch on the sphere's profile, in
-the units of `microimpact.model.dynamics.laws`, with the speed v of separation::
+the units of `microimpact.model.dynamics.force_laws`, with the speed v of separation::
 
     y = a^2 - d,   force f = a (a^2 - 3/2 y - drag v),   energy release rate G/w_0 = y^2/(16 b^2 a)
 

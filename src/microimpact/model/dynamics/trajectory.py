@@ -12,7 +12,7 @@ from microimpact.core.arrays import FloatArray, Numbers, Real, checked, whole
 from microimpact.core.extras import optional
 from microimpact.core.readable import Readable
 from microimpact.model.contact import Contact, require_contact
-from microimpact.model.dynamics import kernel, law_paths, laws
+from microimpact.model.dynamics import force_laws, kernel, law_paths
 from microimpact.model.dynamics.impact import (
     ANGLE,
     PULL_OFF,
@@ -195,7 +195,7 @@ def _by_ring_force(contact: Contact, speed: Real, points: int, basis: str) -> Fo
 
 def _by_law(contact: Contact, speed: Real, points: int, basis: str) -> Followed:
     """Motion of `trajectory` by another law."""
-    problem, scales, _ = laws.scaled(contact, speed)
+    problem, scales, _ = force_laws.scaled(contact, speed)
     path = law_paths.path(problem, points)
     length, velocity, mass = (x[0] for x in (scales.length, scales.velocity, scales.mass))
     force = mass * velocity**2 / length
@@ -208,7 +208,7 @@ def _by_law(contact: Contact, speed: Real, points: int, basis: str) -> Followed:
         PULL_OFF: net + 2.0 * contact.pull_off_force * time / mass,
     }[basis]
     motion = time, path.compression * length, -path.velocity * velocity, impulse
-    return motion, terms, bool(laws.solve(problem).captured[0])
+    return motion, terms, bool(force_laws.solve(problem).captured[0])
 
 
 def _sample(

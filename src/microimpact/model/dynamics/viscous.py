@@ -1,8 +1,8 @@
 """Compiled integration of an impact on a JKR contact with viscous loss, in its regular form.
 
 With s the square root of the contact radius and v the speed of approach, both scaled as in
-`microimpact.model.dynamics.laws`, and ``dt = 4 (s^3 - beta) dtau``, the motion is polynomial and
-smooth through the snap-off at ``s^3 = beta``, where the contact radius changes without limit::
+`microimpact.model.dynamics.force_laws`, and ``dt = 4 (s^3 - beta) dtau``, the motion is polynomial
+and smooth through the snap-off at ``s^3 = beta``, where the contact radius changes without limit::
 
     ds/dtau = v,    dv/dtau = -4 (c - beta) h,    h = c^2 - 6 beta c + drag p
 

@@ -24,7 +24,7 @@ from microimpact.model.closed_forms import contact_modulus, contact_regime, tabo
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.laws import BROKEN, PULL_OFF, jkr_restitution
+from microimpact.model.dynamics.force_laws import BROKEN, PULL_OFF, jkr_restitution
 from microimpact.model.dynamics.normal import normal_impact
 
 LAMMPS = "lammps-jkr"
@@ -72,7 +72,7 @@ def jkr_coefficients(contact: Contact, speeds: FloatArray, end: float = PULL_OFF
     speeds
         Normal speeds, m/s, above its capture velocity, (n,).
     end
-        Where the JKR contact breaks, in s^3/b of `microimpact.model.dynamics.laws`.
+        Where the JKR contact breaks, in s^3/b of `microimpact.model.dynamics.force_laws`.
 
     Raises
     ------

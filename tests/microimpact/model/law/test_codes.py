@@ -12,7 +12,7 @@ from microimpact.core.materials import Material
 from microimpact.model.closed_forms import contact_modulus
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.laws import BROKEN, PULL_OFF, jkr_restitution
+from microimpact.model.dynamics.force_laws import BROKEN, PULL_OFF, jkr_restitution
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.law.codes import jkr_coefficients
 from microimpact.model.law.export import export
