@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from study.analyses.fig24_25_doe import remarks
 from study.figures.declaration import TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
@@ -81,6 +82,8 @@ def nearly_a_power_law(y: Curves) -> Stated:
         effect of the radius.
     """,
     holds=nearly_a_power_law,
+    disagreement=remarks.DISAGREEMENT,
+    agreement=remarks.AGREEMENT,
     method="""
         Fraction [[generator]] of a two-level design about [[drawn_case]]. Labelled in (a) are
         the factors, the interactions as large as one of A to D, and all beyond Lenth's margin;
