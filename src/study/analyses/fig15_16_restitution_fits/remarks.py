@@ -46,8 +46,8 @@ def size_of_molybdenum(tables: ResultTables) -> Stated:
 
 EXPONENT = (
     "The article takes capture velocities from such fits, without their error. With q fixed at "
-    "1/2, which the equation of motion gives at capture, they are {least:.0%} to {most:.0%} too "
-    "high; with q free, up to {under:.0%} too low."
+    "1/2, which the equation of motion gives at capture, they are {least:.1%} to {most:.1%} "
+    "too high; with q free, up to {under:.1%} too low."
 )
 FIG15_DISAGREEMENT = (Remark(EXPONENT, lambda tables: exponent_decides_the_sign(tables, OTHERS)),)
 FIG15_AGREEMENT = (

@@ -44,7 +44,7 @@ def fit_changes_little(tables: ResultTables) -> Stated:
 DISAGREEMENT = (
     Remark(
         "Which two factors stand out depends on the rate exponent of the adhesion damping. With "
-        "n = 0 they are C ({c0:.0f} %) and D ({d0:.0f} %), not B ({b0:.0f} %); with n = 1 the "
+        "n = 0 they are C, {c0:.0f} %, and D, {d0:.0f} %, not B, {b0:.0f} %; with n = 1 the "
         "three differ little in size, {low:.0f} to {high:.0f} %. The article has C and B.",
         exponent_decides_who_leads,
     ),
