@@ -496,7 +496,7 @@ def _draw_series(
         if spec.thin:
             look["linewidth"] = GUIDE["linewidth"]
     elif spec.open and evidence not in POINTS:
-        look["markerfacecolor"] = "white"
+        look["markerfacecolor"] = "none"
     elif evidence == "virtual experiment":
         look["markerfacecolor"] = half_tone(colour)
     if look.get("marker") == MARKS["circle"]:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def rise_ends_in_capture(tables: ResultTables) -> Stated:
-    """The ratio rises above that of the rigid body, and ends at the angle of capture."""
+    """The ratio rises above the rigid body, and ends at the angle of capture."""
     rows = tables("fig18")
     angle = rows("x_deg", panel="adhesion", series="capture")
     most, rigid = (
