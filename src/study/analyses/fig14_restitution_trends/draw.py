@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def restitution_has_a_maximum(y: Curves) -> Stated:
     """Restitution is largest at a speed between the ends, well above its last value."""
     e = y("overall restitution")
-    speed, most = float(e.index[e.argmax()]), float(e.max())
+    speed, most = e.index.to_numpy(float)[e.argmax()], float(e.max())
     inside = e.index[0] < speed < e.index[-1] and most > e.iloc[-1] + 0.01
     return stated(inside, speed=speed, most=most)
 
