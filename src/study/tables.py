@@ -316,8 +316,13 @@ class ResultTables:
     def __call__(self, name: str) -> Numbers:
         """Return a table; raises TableError if there is none, or if it could not be computed."""
         if name not in self.read:
-            path = self.folder / f"tables/{name}.csv"
+            path = self.folder / self.file(name)
             if not path.is_file():
                 raise TableError(f"{path}: no such table")
             self.read[name] = Numbers(name, read_table(path))
         return self.read[name]
+
+    def file(self, name: str) -> str:
+        """Return the file of a table in the folder; figure data are tables, too."""
+        data = f"data/{name}.csv"
+        return data if (self.folder / data).is_file() else f"tables/{name}.csv"

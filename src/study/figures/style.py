@@ -495,10 +495,9 @@ def _draw_series(
         look["linestyle"] = spec.line
         if spec.thin:
             look["linewidth"] = GUIDE["linewidth"]
-    elif spec.open and evidence not in POINTS:
-        look["markerfacecolor"] = "white"
     elif evidence == "virtual experiment":
-        look["markerfacecolor"] = half_tone(colour)
+        # An open mark lets one below it be seen.
+        look["markerfacecolor"] = "none" if spec.open else half_tone(colour)
     if look.get("marker") == MARKS["circle"]:
         look["marker"] = MARKS[spec.mark]
     bounds = rows[["y_low", "y_high"]].to_numpy(float).T

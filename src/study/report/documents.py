@@ -167,13 +167,12 @@ def renew(results: Path, docs: Path, kept: Path) -> list[Path]:
     _require_full(results, kept)
     texts, names = pages(results, docs)
     wanted = {docs / name: text.encode() for name, text in texts.items()}
-    wanted |= {
-        kept / f"tables/{name}.csv": (results / f"tables/{name}.csv").read_bytes() for name in names
-    }
+    files = [ResultTables(results).file(name) for name in names]
+    wanted |= {kept / file: (results / file).read_bytes() for file in files}
     changed = [p for p, data in wanted.items() if not p.is_file() or p.read_bytes() != data]
     for path in changed:
         write_file(path, wanted[path])
-    gone = [path for path in (kept / "tables").glob("*.csv") if path.stem not in names]
+    gone = [path for path in kept.glob("*/*.csv") if str(path.relative_to(kept)) not in files]
     for path in gone:
         path.unlink()
     return sorted([*changed, *gone])

@@ -26,7 +26,7 @@ FULL_RUN = ROOT / "tests/reference/full"
 
 # Columns that say which experiment a row is of, and those of one table alone.
 KEYS = {"angle_deg", "nominal_speed_m_per_s", "probe_height_mm", "slope_sd", "spin_mean"}
-KEYS |= {"target_radius_mm", "slope_deg", "share"}
+KEYS |= {"target_radius_mm", "slope_deg", "share", "diameter_um", "x_deg"}
 KEYS_OF = {"surface_correction": {"speed_m_per_s", "restitution"}}
 
 

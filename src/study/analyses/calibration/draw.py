@@ -24,7 +24,8 @@ def two_numbers_leave_a_range(y: Curves) -> Stated:
     """For every exponent, several works of adhesion meet both numbers."""
     works = [y(f"n = {n}").index for n in ("0", "0.5", "1")]
     least, greatest = min(w.min() for w in works), max(w.max() for w in works)
-    return stated(all(w.nunique() > 1 for w in works), least=least, greatest=greatest)
+    wide = all(w.max() > 1.2 * w.min() for w in works)
+    return stated(wide and greatest > 2.0 * least, least=least, greatest=greatest)
 
 
 @figure(

@@ -82,7 +82,7 @@ def larger_keep_theirs(y: Curves) -> Stated:
     """,
     as_shipped="""
         SST65 are the spheres of [[populations.SST65.diameter_um.low:.0f]] to
-        [[populations.SST65.diameter_um.high:.0f]] µm (filled marks), SST125 those of
+        [[populations.SST65.diameter_um.high:.0f]] µm (shaded marks), SST125 those of
         [[populations.SST125.diameter_um.low:.0f]] to
         [[populations.SST125.diameter_um.high:.0f]] µm (open marks). The slowest marks lie above
         the curves because slow rebounds do not reach the probe again. The article prints no

@@ -149,7 +149,7 @@ def roughness_alone_raises(y: Curves) -> Stated:
     "Front and back of [[series.silicon front.case.surface]] at [[series.silicon front.speed_m_per_s:.2f]] m/s, as a PTIS would measure it",
     """
         Restitution, impulse ratio and loss of translational energy against the angle of
-        incidence at [[series.silicon front.speed_m_per_s:.2f]] m/s, for the front (filled) and
+        incidence at [[series.silicon front.speed_m_per_s:.2f]] m/s, for the front (shaded) and
         the back (open) of [[series.silicon back.case.surface]]. Marks: virtual experiments with
         95 % intervals. Coloured curves: the same contacts on smooth surfaces; dashed: all
         rebounds, seen or not. Black: Coulomb friction.
@@ -206,7 +206,7 @@ def faces_differ(y: Curves) -> Stated:
     "Front and back of [[series.mirror front.case.surface]] at [[series.mirror front.speed_m_per_s:.2f]] m/s, as a PTIS would measure it",
     """
         Restitution, impulse ratio and loss of translational energy against the angle of
-        incidence at [[series.mirror front.speed_m_per_s:.2f]] m/s, for the front (filled) and
+        incidence at [[series.mirror front.speed_m_per_s:.2f]] m/s, for the front (shaded) and
         the back (open) of [[series.mirror back.case.surface]]. Marks: virtual experiments with
         95 % intervals. Coloured curves: the same contacts on smooth surfaces; dashed: all
         rebounds, seen or not. Black: Coulomb friction.
@@ -382,7 +382,7 @@ def spores_rise_and_do_not_fall(y: Curves) -> Stated:
     "Rebounds of [[series.spore on silicon.case.pair]] and [[series.steel on silicon.case.pair]], as a PTIS would measure them",
     """
         Restitution, impulse ratio and loss of translational energy against the angle of
-        incidence, for [[series.spore on silicon.case.pair]] (filled) and
+        incidence, for [[series.spore on silicon.case.pair]] (shaded) and
         [[series.steel on silicon.case.pair]] (open). Marks: virtual experiments with 95 %
         intervals. Coloured curves: the same contacts, smooth; dashed: all rebounds of the rough
         particles, seen or not. Black: Coulomb friction.
@@ -440,7 +440,7 @@ def both_seem_faster(y: Curves) -> Stated:
     "Rebounds of [[series.spore on Formica.case.pair]] and [[series.steel on Formica.case.pair]], as a PTIS would measure them",
     """
         Restitution, impulse ratio and loss of translational energy against the angle of
-        incidence, for [[series.spore on Formica.case.pair]] (filled) and
+        incidence, for [[series.spore on Formica.case.pair]] (shaded) and
         [[series.steel on Formica.case.pair]] (open). Marks: virtual experiments with 95 %
         intervals. Coloured curves: the same contacts, smooth; dashed, dash-dotted: all
         rebounds, seen or not. Black: Coulomb friction.

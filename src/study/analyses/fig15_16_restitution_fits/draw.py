@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from study.analyses.fig15_16_restitution_fits import remarks
 from study.figures.declaration import NORMAL_SPEED, RESTITUTION, TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
@@ -108,6 +109,8 @@ def fits_err_and_ratios_leave_a_range(y: Curves) -> Stated:
         from {low:.2f} to {high:.2f} m/s.
     """,
     holds=fits_err_and_ratios_leave_a_range,
+    disagreement=remarks.FIG15_DISAGREEMENT,
+    agreement=remarks.FIG15_AGREEMENT,
     as_shipped="""
         The work of adhesion of polystyrene latex on quartz and of ammonium fluorescein on mica
         is calibrated to the printed capture velocity. Ammonium fluorescein on molybdenum is
@@ -158,6 +161,7 @@ def both_fits_err(y: Curves) -> Stated:
         for the two rate exponents.
     """,
     holds=both_fits_err,
+    disagreement=remarks.FIG16_DISAGREEMENT,
     method="""
         n is the rate exponent of the adhesion damping, whose coefficient falls with the impact
         speed as v^-n. The constants of the fits are in the table restitution_fits.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from study.analyses.fig17_coulomb_friction import remarks
 from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, Series, figure, stated
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def slides_then_rolls(y: Curves) -> Stated:
         the rolling line, so that friction does not vanish at 90°.
     """,
     holds=slides_then_rolls,
+    agreement=remarks.AGREEMENT,
     height_mm=74.0,
 )
 def draw_fig17(sheet: Sheet) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from study.analyses.fig18_21_oblique_impact import remarks
 from study.figures.declaration import (
     ENERGY_LOSS,
     IMPULSE_RATIO,
@@ -48,6 +49,8 @@ def adhesion_raises_friction(y: Curves) -> Stated:
         from [[friction:g]] up to {most:.2f}.
     """,
     holds=adhesion_raises_friction,
+    disagreement=remarks.FIG18_DISAGREEMENT,
+    agreement=remarks.FIG18_AGREEMENT,
     method="The rigid body model has the restitution of the normal impact. Contact [[case]].",
     as_shipped="""
         Shaded: 95 % of the posterior contacts (figure evidence), each with its own
@@ -108,6 +111,7 @@ def spin_is_counted_as_lost(y: Curves) -> Stated:
         because that of the final spin is counted as lost.
     """,
     holds=spin_is_counted_as_lost,
+    agreement=remarks.FIG21_AGREEMENT,
     method="Dynamic simulation, contact [[case]].",
     as_shipped="""
         Dotted: 95 % of the translational losses of the posterior contacts that rebound

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from study.analyses.fig20_force_history import remarks
 from study.figures.declaration import Series, figure, stated
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def attracts_at_both_ends(y: Curves) -> Stated:
         during the rebound.
     """,
     holds=attracts_at_both_ends,
+    agreement=remarks.AGREEMENT,
     method="Contact [[case]].",
     as_shipped="""
         The adhesion damping is calibrated to the printed ratio of dissipative to total adhesion

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from study.analyses.fig23_monte_carlo import remarks
 from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def slopes_raise_the_mean(y: Curves) -> Stated:
         that at [[reference_angle_deg:.0f]]°; on a smooth surface it falls.
     """,
     holds=slopes_raise_the_mean,
+    disagreement=remarks.DISAGREEMENT,
     method="""
         Unless their distribution is declared, slopes are normal and as wide as each weighting
         needs for the printed e = [[slope_inference.restitution:g]] at

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from study.analyses.fig24_25_doe import remarks
 from study.figures.declaration import TWO_STAGES, Series, figure, stated
 
 if TYPE_CHECKING:
@@ -36,12 +37,13 @@ LEGEND = (
     r"A stiffness $K$,  B work of adhesion $w_A$,  C radius $r$,  D damping of adhesion "
     r"$\zeta_A$,  E damping of the material $\zeta_H$;  two letters: interaction;  all computed"
 )
-# Effects that are labelled however small: the factors, and in one panel three pairs to compare;
-# and those as large as any of the factors that matter.
-FACTORS, MATTERING = tuple("ABCDE"), tuple("ABCD")
-NAMED = (*FACTORS, "BC", "BD", "CD")
+FACTORS = tuple("ABCDE")
+# Effects that the article names, which are labelled however small.
+NAMED = ("A", "B", "C", "D", "BD")
 LABEL_SIZE = 7.5
 LABEL_GAP = 4.5
+# Least distance of two labels, as a part of the height of a panel.
+LABEL_HEIGHT = 0.045
 
 
 def _effect(y: Curves, response: str, name: str) -> float:
@@ -81,9 +83,11 @@ def nearly_a_power_law(y: Curves) -> Stated:
         effect of the radius.
     """,
     holds=nearly_a_power_law,
+    disagreement=remarks.DISAGREEMENT,
+    agreement=remarks.AGREEMENT,
     method="""
-        Fraction [[generator]] of a two-level design about [[drawn_case]]. Labelled in (a) are
-        the factors, the interactions as large as one of A to D, and all beyond Lenth's margin;
+        Fraction [[generator]] of a two-level design about [[drawn_case]]. Labelled are
+        A to D and BD, which the article names, and all effects beyond Lenth's margin;
         of a sum of effects, as A+BD, the fraction does not tell the parts. The responses are
         without noise, so Lenth's margins are a guide to size, not a test; the simultaneous margin
         allows for all effects at once. Margins are for the exact capture velocity.
@@ -108,7 +112,7 @@ def nearly_a_power_law(y: Curves) -> Stated:
 )
 def draw_fig24(sheet: Sheet) -> None:
     """Effects reach beyond the mean."""
-    _draw_effects(sheet, (-150.0, 150.0), (-15.0, 150.0))
+    _draw_effects(sheet, (-150.0, 150.0), (-5.0, 150.0))
 
 
 def only_the_ratio_acts(y: Curves) -> Stated:
@@ -141,7 +145,7 @@ def only_the_ratio_acts(y: Curves) -> Stated:
 )
 def draw_fig25(sheet: Sheet) -> None:
     """Effects of a few percent."""
-    _draw_effects(sheet, (-17.5, 17.5), (-2.5, 20.0))
+    _draw_effects(sheet, (-17.5, 17.5), (-0.7, 20.0))
 
 
 def _draw_effects(sheet: Sheet, effects: tuple[float, float], sizes: tuple[float, float]) -> None:
@@ -208,12 +212,10 @@ def _draw_panel(ax: Axes, rows: pd.DataFrame, looks: Mapping[str, Series], *, ha
         face = "none" if look.open else "full"
         pen: dict[str, Any] = {"marker": marker, "fillstyle": face, "color": colour}
         ax.plot(points[x], points[y], label=look.label, linestyle="none", zorder=3, **pen)
-        if half or response == main:
-            size = points[x].abs()
-            least = size[points["word"].isin(MATTERING)].min()
-            worth = points["word"].isin(NAMED if half else FACTORS) | (size >= min(limit, least))
+        if response == main:
+            worth = points["word"].isin(NAMED) | (points[x].abs() >= limit)
             # To the side where the other response is not.
-            others = shown[~is_margin & (shown["response"] != response)]
+            others = shown[~is_margin & shown["response"].isin(set(looks) - {main})]
             size = others.drop_duplicates("label").set_index("label")[x].abs()
             leftward = points[x].abs() < points["label"].map(size)
             left = leftward if half else points[x] < 0.0
@@ -228,10 +230,19 @@ def _label(
     *,
     wide: bool,
 ) -> None:
-    """Write the effects beside their points, to the side that column ``left`` says."""
+    """Write the effects beside their points, to the side that column ``left`` says.
+
+    The larger an effect, the sooner it is named; one whose label would touch another has none.
+    """
     x, y = columns
     gap = LABEL_GAP + 1.5 * wide
+    low, high = ax.get_ylim()
+    taken: list[float] = []
+    points = points.sort_values(x, key=abs, ascending=False)
     for label, effect, height, left in points[["label", x, y, "left"]].itertuples(index=False):
+        if any(abs(height - other) < LABEL_HEIGHT * (high - low) for other in taken):
+            continue
+        taken.append(height)
         ax.annotate(
             label,
             (effect, height),

@@ -33,6 +33,10 @@ BOLD: dict[str, Any] = {"linewidth": 1.6, "markersize": 4.0}
 PRINTED: dict[str, Any] = {"color": "0.4", "linewidth": 0.8, "linestyle": "dotted", "zorder": 0}
 GREY: dict[str, Any] = {"color": "0.7", "markerfacecolor": "white", "marker": "X"}
 SYMBOLS = {"v_c": "$v_c$", "w_A": "$w_A$", "c_A": "$c_A$", "n to": "$n$ to", "J/m2": "J/m$^2$"}
+SYMBOLS |= {" deg": "°", " um": " µm"}
+# Height of a row over all laws, where one by each law has 1; of a head above its first row; and
+# letters in a line of a name.
+LOW, HEAD, LETTERS = 0.6, 0.8, 35
 HEADS = {"scenario": "Scenarios", "without": "One statement less", "choice": "Other choices"}
 LINE: dict[str, Any] = {"markersize": 2.8, "linewidth": 1.1, "linestyle": "none"}
 # By law: words and looks; all of them together are bold.
@@ -196,10 +200,10 @@ def draw_capture_velocity_profile(sheet: Sheet) -> None:
     "evidence",
     "Capture velocity and work of adhesion that the article's statements prefer, by law of contact",
     """
-        Median and 95 % interval of (a) the capture velocity and (b) the work of adhesion, by
-        law of contact, a line per set of statements that count: scenarios; the first of them with one
-        statement less; the first with another choice. Black: all laws, each with the weight of
-        its evidence. Grey: from few contacts. Dotted: printed.
+        Median and 95 % interval of (a) the capture velocity and (b) the work of adhesion, one
+        row per set of statements: scenarios, by law of contact, then the first scenario with one
+        statement less, or with another choice. Black: all laws, each with the weight of its
+        evidence. Grey: from few contacts. Dotted: printed.
     """,
     {"capture velocity": "capture velocity", "work of adhesion": "work of adhesion"},
     data=("evidence_limits", "evidence_works"),
@@ -223,10 +227,10 @@ def draw_capture_velocity_profile(sheet: Sheet) -> None:
         "each scenario and law have.",
         "posterior_contacts": "Contacts drawn from every posterior, with their parameters.",
     },
-    height_mm=215.0,
+    height_mm=190.0,
 )
 def draw_evidence(sheet: Sheet) -> None:
-    """A line per scenario, omission and choice, with an interval by each law.
+    """A row per scenario, by law of contact; one per omission and choice, over all laws.
 
     The series are ``kind; name; law``, and `FEW` at the end of those from few contacts; the
     abscissa of the data counts the lines and runs downwards here.
@@ -255,11 +259,15 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, *, named: bool) -> None:
         ax.axvline(value, label="printed $v_c$", **PRINTED)
     names = table.loc[~is_printed, "series"].str.split("; ", expand=True)
     rows = table[~is_printed].assign(kind=names[0], line=names[1], law=names[2])
+    # The laws differ by scenario, and hardly by what else is left out or chosen.
+    is_all = rows["law"] == "all laws"
+    rows = rows[is_all | (rows["kind"] == "scenario") | ~rows["x_1"].isin(rows.loc[is_all, "x_1"])]
     is_few = rows["series"].str.endswith(FEW)
-    lines = rows.drop_duplicates("x_1")
+    lines = rows.drop_duplicates("x_1").sort_values("x_1")
     # A head of its own opens each kind.
     kinds = list(dict.fromkeys(lines["kind"]))
-    heights = lines["x_1"] + lines["kind"].map(kinds.index)
+    is_low = ~lines["x_1"].isin(rows.loc[rows["law"] != "all laws", "x_1"])
+    heights = is_low.map({True: LOW, False: 1.0}).cumsum() + lines["kind"].map(kinds.index)
     height = dict(zip(lines["x_1"], heights, strict=True))
     laws = [law for law in LAWS if law in set(rows["law"])]
     for number, law in enumerate(laws):
@@ -268,20 +276,26 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, *, named: bool) -> None:
         for grey, label in (({}, words), (GREY, "from few contacts")):
             part = rows[(rows["law"] == law) & (is_few == bool(grey))]
             middle, low, high = part.iloc[:, 4], part["y_low"], part["y_high"]
-            y, error = part["x_1"].map(height) + shift, [middle - low, high - middle]
+            by_law = ~part["x_1"].isin(lines.loc[is_low, "x_1"])
+            y, error = part["x_1"].map(height) + shift * by_law, [middle - low, high - middle]
             if len(part):
                 ax.errorbar(middle, y, xerr=error, capsize=0.0, label=label, **LINE | look | grey)
     ax.set_xlim(style.widened(ax.get_xlim(), rows.iloc[:, [4, 5, 6]].to_numpy(float), log=True))
     ax.set_ylim(max(heights) + 0.6, min(heights) - 1.6)
-    heads = [float(heights[lines["kind"] == kind].min()) - 1.0 for kind in kinds]
+    heads = [float(heights[lines["kind"] == kind].min()) - HEAD for kind in kinds]
     for head in heads:
         ax.axhline(head, color="0.85", linewidth=0.6, zorder=0)
-    words_of_lines = [*lines["line"], *(HEADS[kind] for kind in kinds)] if named else []
+    names_of_lines = [
+        ",\n".join(line.rsplit(", ", maxsplit=len(line) > LETTERS)) for line in lines["line"]
+    ]
+    words_of_lines = [*names_of_lines, *(HEADS[kind] for kind in kinds)] if named else []
     for name, symbol in SYMBOLS.items():
         words_of_lines = [words.replace(name, symbol) for words in words_of_lines]
     ax.set_yticks([*heights, *heads], words_of_lines)
     ax.yaxis.set_minor_locator(NullLocator())
     ax.tick_params(axis="y", length=0)
+    for tick in ax.get_yticklabels():
+        tick.set(verticalalignment="center", linespacing=1.0)
     for tick in ax.get_yticklabels()[len(heights) :]:
         tick.set_fontweight("bold")
 
