@@ -198,6 +198,8 @@ OVERLAYS = [
     ({"cases": {"steel-silicon, n = 1": {"rate_exponent": 1.5}}}, ["cases.steel-silicon, n = 1.rate_exponent: 1.5: declare a case 'steel-silicon, n = 1.5' for it"]),
     ({"cases": {"steel-silicon, n = 1": {"law": "jkr"}}}, ["cases.steel-silicon, n = 1.law: 'jkr' has no n: declare a case of another name"]),
     ({"fig04_05_normal_experiments": {"populations": {"spores": {"from": "particles.Lycopodium"}}}}, ["fig04_05_normal_experiments.populations.spores.particle: 'lycopodium' must be stainless-steel-316, as of the case 'steel-silicon, n = 1'"]),
+    ({"figures": {"formats": ["eps"]}}, ["figures.formats[0]: 'eps' must be 'svg', 'png' or 'pdf'"]),
+    ({"figures": {"leave_out": ["fig99"]}}, ["figures.leave_out: 'fig99' is no figure (did you mean 'fig19'?)"]),
     ({"pair_search": {"from": "particles.Lycopodium"}}, ["pair_search.particle: 'lycopodium' must be stainless-steel-316, as of the case 'steel-silicon, n = 1'"]),
     ({"fig06_12_oblique_experiments": {"series": {"spore on Formica": None}}}, ["fig06_12_oblique_experiments.compared_with_all: 'spore on Formica' must be one of"]),
     ({"fig17_coulomb_friction": {"friction": [0.1, 0.1]}}, ["fig17_coulomb_friction.friction: 0.1 is repeated"]),
