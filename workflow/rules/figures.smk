@@ -22,11 +22,7 @@ for analysis, drawn in FIGURES_OF.items():
                 )
                 for figure in drawn
             ],
-            [
-                f"<results>/figures/{figure}.{kind}"
-                for figure in drawn
-                for kind in (*FORMATS, "csv")
-            ],
+            [f"<results>/figures/{figure}.{kind}" for figure in drawn for kind in (*FORMATS, "csv")],
         log:
             f"<results>/logs/{analysis}_figures.log",
         benchmark:
