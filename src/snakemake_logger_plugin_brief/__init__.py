@@ -55,6 +55,8 @@ def _message(error: str) -> str:
 
     name, known = wrong[1], [*all_figures(), *analyses.homes()]
     near = nearest(name, known) if "/" not in name else "; `snakemake --list` has the names"
+    if name in known:
+        return f"{name}: left out by figures.leave_out"
     return f"{name}: no figure, rule or file of the study{near}"
 
 

@@ -115,10 +115,31 @@ class DeclaredDrop(Dropped):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Sieve:
+    """Particles of one size class."""
+
+    particle: MaterialName
+    diameter_um: Distribution
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForceHistory:
+    """The impact whose force is drawn over time."""
+
+    case: CaseName
+    mean_diameter_um: Positive
+    speed_m_per_s: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DeclaredImpact(DeclaredDrop):
     """The impact that analyses of one contact are of, and further contacts of its pair."""
 
     mean_diameter_um: Positive
+    back: DeclaredSurface
+    populations: Mapping[str, Sieve]
+    sieve: Sieve
+    force_history: ForceHistory
     other_case: CaseName
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
 
@@ -153,6 +174,9 @@ class Laboratory:
         impact = self.impact
         cases = {"case": impact.case, "other_case": impact.other_case}
         cases |= {f"cases[{i}]": case for i, case in enumerate(impact.cases)}
+        if impact.back.surface != impact.surface:
+            back = repr(impact.back.surface)
+            yield f"impact.back.surface: {back} must be {impact.surface}, as in front"
         named = [(f"drops.{name}.case", drop.case, drop) for name, drop in self.drops.items()]
         named += [(f"impact.{key}", name, impact) for key, name in cases.items()]
         for key, name, drop in named:

@@ -261,6 +261,21 @@ def test_an_overlay_that_changes_inputs_does_not_write_among_the_shipped_results
     assert not (project.root / "results").exists()
 
 
+def test_figures_are_drawn_in_the_formats_of_an_overlay_and_none_stays_behind(project, tmp_path):
+    overlay, figures = tmp_path / "overlay.yaml", project.root / "build/print/figures"
+    run = ("fig17", *SMALL, str(overlay), "--config", "pathvars={results: build/print}")
+    overlay.write_text("figures: {formats: [png]}\n")
+    project.snakemake(*run)
+    for name in ("fig14.svg", "mine.png"):
+        (figures / name).touch()
+    overlay.write_text("figures: {formats: [pdf], leave_out: [fig14]}\n")
+    project.snakemake(*run)
+    drawn = {f"fig17.{kind}" for kind in ("csv", "pdf", "svg")}
+    assert {path.name for path in figures.iterdir()} == {*drawn, "mine.png"}
+    told = project.snakemake("fig14", *run[1:], check=False).text
+    assert "fig14: left out by figures.leave_out\n" in told
+
+
 def test_one_target_with_other_inputs_leaves_nothing_that_tells_the_old_ones(project):
     """The analysis of Fig. 14 has changed, too; it is not made again, and no report shows it."""
     out = project.root / OUT

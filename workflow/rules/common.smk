@@ -39,11 +39,11 @@ import digests
 from digests import Digested
 
 from study import analyses
-from study.figures.declaration import FORMATS
 from study.judge.criteria import declared_claims
 from study.report import explorer, site
 from study.report.site import record as site_record
 from study.declared.documents import load
+from study.figures.declaration import FORMATS as ALL_FORMATS, all_figures
 from study.declared.references import merged
 from study.run.changed import changed_inputs
 from study.run.config import FILES, read_configuration, read_inputs, validate
@@ -80,6 +80,8 @@ except (ImportError, SyntaxError) as error:
     ) from None
 
 FIGURES, DIGITISED = INPUTS.figures, INPUTS.digitised
+# Of the pictures of a figure, beside its SVG.
+FORMATS = sorted({*SETTINGS.general.figures.formats} - {"svg"}, reverse=True)
 
 
 def tables(*names):
@@ -151,9 +153,18 @@ def begin_run():
     steps = [job for job in workflow.dag.needrun_jobs() if job.log]
     if not workflow.touch and any(job.output for job in steps):
         site.remove(RESULTS / "report")
+        remove_pictures()
     drawings = sum(job.rule.name.endswith("_figures") for job in steps)
     logger.info(f"{len(steps)} steps", extra={"steps": (len(steps), drawings)})
     write_stamp()
+
+
+def remove_pictures():
+    """Remove pictures of figures, or in formats, that are no longer wanted; files of others stay."""
+    wanted = {Path(path).name for path in results("figures/")}
+    made = (f"{name}.{kind}" for name in all_figures() for kind in ("csv", *ALL_FORMATS))
+    for name in {*made} - wanted:
+        (RESULTS / "figures" / name).unlink(missing_ok=True)
 
 
 def write_stamp(ended=None):

@@ -22,11 +22,7 @@ for analysis, drawn in FIGURES_OF.items():
                 )
                 for figure in drawn
             ],
-            [
-                f"<results>/figures/{figure}.{kind}"
-                for figure in drawn
-                for kind in ("png", "pdf", "csv")
-            ],
+            [f"<results>/figures/{figure}.{kind}" for figure in drawn for kind in (*FORMATS, "csv")],
         log:
             f"<results>/logs/{analysis}_figures.log",
         benchmark:
@@ -51,7 +47,7 @@ for figure in FIGURES:
         name:
             figure
         input:
-            [f"<results>/figures/{figure}.{kind}" for kind in FORMATS],
+            [f"<results>/figures/{figure}.{kind}" for kind in ("svg", *FORMATS)],
             # Deleted by hand, they are made again, too.
             data(*FIGURES[figure].data).values(),
             "<results>/tables/inputs.csv",

@@ -1,4 +1,4 @@
-"""Draw the figures of an analysis, each as SVG, PNG, PDF and table of its content."""
+"""Draw the figures of an analysis, each in the formats wanted and as table of its content."""
 
 from dataclasses import replace
 from importlib import import_module
@@ -8,7 +8,7 @@ from typing import Any
 from job import run
 
 from study.figures.content import content
-from study.figures.declaration import FIGURES, FORMATS, Figure
+from study.figures.declaration import FIGURES, Figure
 from study.figures.style import Sheet, context, save, without_data
 from study.run.digitised import overlaid
 from study.tables import NOT_COMPUTED, NotComputedError, read_figure_data, write_table
@@ -19,9 +19,10 @@ def main(job: Any) -> str:
 
     The rule gives the words of each figure as ``params.entries``, the parameters of the analysis as
     ``params.branch`` and the materials of its cases as ``params.pairs``, the tables as named inputs
-    and so the files of digitised points, as ``fig17_digitised``, if there are any.
+    and so the files of digitised points, as ``fig17_digitised``, if there are any; the outputs of
+    each bear its name.
     """
-    folder, account = Path(job.output[0]).parent, []
+    account = []
     for name, entry in job.params.entries.items():
         import_module(entry["drawing"].rpartition(".")[0])
         figure = FIGURES[name].with_texts(entry)
@@ -31,9 +32,9 @@ def main(job: Any) -> str:
         except NotComputedError as why:
             words = f"{NOT_COMPUTED}: {why}"
             figure, picture = replace(figure, finding=""), without_data(figure, words)
-        paths = (folder / f"{name}.{kind}" for kind in FORMATS)
-        save(picture, *paths, title=figure.title, description=figure.description)
-        write_table(content(picture, figure), folder / f"{name}.csv")
+        *pictures, table = (path for path in map(Path, job.output) if path.stem == name)
+        save(picture, *pictures, title=figure.title, description=figure.description)
+        write_table(content(picture, figure), table)
         account.append(f"{name}: {words}\n")
     return "".join(account)
 

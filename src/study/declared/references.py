@@ -203,7 +203,8 @@ class Resolver:
         if not isinstance(node, _Reference):
             return node
         target, field = self._named(node), key.rpartition(".")[2]
-        if isinstance(target, dict) and field in target:
+        # An entry may name the one that it stands in, for other fields of it.
+        if isinstance(target, dict) and target.get(field, node) is not node:
             target = self._wanted(kind, target[field], key)
         elif isinstance(target, dict):
             known = fields(kind, _tag(target))

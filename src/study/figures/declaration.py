@@ -12,7 +12,7 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from types import MappingProxyType
-from typing import Any, Concatenate, Literal, ParamSpec
+from typing import Any, Concatenate, Literal, ParamSpec, get_args
 
 from microimpact.core.computable import NotComputable
 from study import analyses
@@ -22,8 +22,8 @@ from study.tables import Curves, ResultTables, TableError, Tables
 Line = Literal["solid", "dashed", "dotted", "dashdot"]
 Mark = Literal["circle", "square", "triangle"]
 
-# Every figure is written in each of these.
-FORMATS = ("svg", "png", "pdf")
+Format = Literal["svg", "png", "pdf"]
+FORMATS: tuple[Format, ...] = get_args(Format)
 
 # Words at the axes: one name, sign and unit of a quantity for all figures.
 ANGLE = r"Angle of incidence $\alpha$ (°)"

@@ -16,6 +16,16 @@ IMPACT = frozenset({"particle", "surface", "diameter_um", "mean_diameter_um"})
 IMPACT |= {"speed_m_per_s", "printed_speed_m_per_s"}
 # Part of the calibration that is of the pair of Fig. 20, and the table that claims on it read.
 OF_FLUORESCEIN, THEIR_TABLE = "force_ratios", "molybdenum_capture"
+# Tables of the study of several mechanisms, and the parameters that each is made of.
+PARTS = {
+    "adhesion_or_roughness": "mechanisms.shallow.",
+    "formica_mechanism": "mechanisms.slope.formica_",
+    "loss_resolution": "mechanisms.loss.",
+    "spin_needed": "mechanisms.spin.",
+    "spore_comparison": "mechanisms.spore.",
+    "spore_trends": "mechanisms.spore.",
+    "surface_pairs": "mechanisms.slope.pairs.",
+}
 # What a claim gets whose numbers are of another impact than the article's.
 OF_ANOTHER = "not of this experiment"
 
@@ -25,9 +35,9 @@ Changed = Mapping[str, Mapping[str, str]]
 def with_inputs(row: Mapping[str, Any] | pd.Series[Any], changed: Changed) -> dict[str, Any]:
     """Return the row of a claim with the changed inputs it rests on.
 
-    A study is of another impact if a key of its own, or of a mapping right below it, says so; a
-    claim, if any setting of it alone does, or a shared one that it has read. Such a claim has no
-    verdict.
+    A study is of another impact if a key of its own, or of a mapping right below it, says so; one
+    of several parts, if a key at any depth of the part that the claim has read does; a claim, if
+    any setting of it alone does, or a shared one that it has read. Such a claim has no verdict.
 
     Parameters
     ----------
@@ -55,12 +65,14 @@ def with_inputs(row: Mapping[str, Any] | pd.Series[Any], changed: Changed) -> di
         for key, parts in alone.items()
         if IMPACT & parts and (row["id"] in parts or key.removeprefix(f"{STUDY}.") in tables)
     }
+    parts_read = tuple(PARTS[name] for name in tables if name in PARTS)
     for study in read:
         keys = {key: key.split(".") for key in changed[study]}
         impact = {
             key
             for key, parts in keys.items()
-            if parts[0] == study and IMPACT & {*parts[1:3]}
+            if parts[0] == study
+            and IMPACT & {*(parts if key.startswith(parts_read) else parts[1:3])}
             if parts[1] != OF_FLUORESCEIN or THEIR_TABLE in tables
         }
         another |= {changed[study][key] for key in impact}

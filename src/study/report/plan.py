@@ -39,14 +39,17 @@ def plan(overlays: Sequence[Path], results: Path) -> str:
     config = shipped = shipped_configuration()
     for path in overlays:
         config = merged(config, load(path))
-    changed = changed_inputs(validate(config, shipped), settings_as_shipped())
+    settings = validate(config, shipped)
+    changed = changed_inputs(settings, settings_as_shipped())
     made = [name for name, inputs in changed.items() if inputs]
-    figures = [name for name, figure in all_figures().items() if figure.analysis in made]
+    left_out = settings.general.figures.leave_out
+    drawn = {name: figure for name, figure in all_figures().items() if name not in left_out}
+    figures = [name for name, figure in drawn.items() if figure.analysis in made]
     places = dict.fromkeys(place for name in made for place in changed[name].values())
     lines = [
         _listed("Inputs that differ", places),
         _listed(f"Of {len(analyses.homes())} analyses, made anew", made),
-        _listed(f"Of {len(all_figures())} figures, drawn anew", figures),
+        _listed(f"Of {len(drawn)} figures, drawn anew", figures),
     ]
     if not (results / "tables/claims.csv").is_file():
         return "\n".join([*lines, f"Claims and seconds are known after a run: none in {results}."])

@@ -30,7 +30,7 @@ from study.declared.parameters import Known, Name, Seed, adapter, build, explain
 from study.declared.provenance import Declared, unit_of
 from study.declared.references import Resolver
 from study.declared.selection import TABLES, DeclaredTables, read_all
-from study.figures.declaration import Figure, all_figures
+from study.figures.declaration import Figure, Format, all_figures
 from study.laboratory import Laboratory
 from study.run.digitised import files_of
 from study.run.stamp import changes
@@ -44,6 +44,14 @@ class Pathvars:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Drawn:
+    """Which figures are drawn, and in which formats; always as SVG, which the report shows."""
+
+    formats: tuple[Format, ...]
+    leave_out: tuple[Name, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class General:
     """Top-level keys that belong to no single analysis."""
 
@@ -53,6 +61,7 @@ class General:
     printed_values: Name
     external: Name
     digitised: Name
+    figures: Drawn
     pathvars: Pathvars = field(default_factory=Pathvars)
 
 
@@ -135,13 +144,18 @@ def validate(
     cases = {entry for each in named.values() for sort, entry in each if sort == "cases"}
     reader.problems += _lacking(laboratory, params, cases)
     _refuse(reader.lines())
+    _refuse(
+        f"figures.leave_out: {name!r} is no figure{nearest(name, all_figures())}"
+        for name in general.figures.leave_out
+        if name not in all_figures()
+    )
     _refuse(_out_of_unit(rows))
     _refuse(_contradictions(laboratory, params, rows))
     if not only:
         _refuse(_idle(reader.resolver, laboratory, cases, {c.key for c in changes(config, base)}))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
-    # Where the results go is no input: the same study has the same table anywhere.
-    declared = tuple(row for row in rows if not row.key.startswith("pathvars."))
+    # Where the results go, and what is drawn of them, is no input: the table is the same.
+    declared = tuple(row for row in rows if not row.key.startswith(("pathvars.", "figures.")))
     return Settings(
         general=general,
         tables=tables,
@@ -400,6 +414,7 @@ def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
     figures = {
         name: each.filled(branches[each.analysis], pairs, changed=each.analysis in changed)
         for name, each in all_figures().items()
+        if name not in general.figures.leave_out
     }
     return Inputs(figures=figures, digitised=files_of(general.digitised, figures))
 

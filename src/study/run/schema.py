@@ -55,8 +55,9 @@ class DeclaredSchema(GenerateJsonSchema):
         return _declarable(super().dataclass_field_schema(schema))
 
     def dict_schema(self, schema: core_schema.DictSchema) -> Schema:
-        """Return a mapping whose values may be declared; null takes one away."""
+        """Return a mapping, or a reference, whose values may be declared; null takes one away."""
         node = super().dict_schema(schema)
+        node["properties"] = {FROM: REFERENCE}
         if isinstance(values := node.get("additionalProperties"), dict):
             node["additionalProperties"] = {"anyOf": [_declarable(values), {"type": "null"}]}
         return node

@@ -48,6 +48,10 @@ def test_a_claim_computed_for_another_impact_has_no_verdict(marked, overlay, key
 def test_a_claim_on_the_shared_impact_has_no_verdict_at_another_speed(marked):
     overlay = {"speeds": {"nominal": {"speed_m_per_s": 3.0, "speed_range_m_per_s": [2.9, 3.1]}}}
     assert marked(PLATEAU, overlay)["verdict"] == OF_ANOTHER
+    assert marked({"id": "C88", "inputs": "formica_mechanism"}, overlay)["verdict"] == OF_ANOTHER
+    spores = {"speeds": {"spore": {"speed_m_per_s": 2.0, "speed_range_m_per_s": [1.9, 2.1]}}}
+    assert marked({"id": "C84", "inputs": "spore_trends"}, spores)["verdict"] == OF_ANOTHER
+    assert marked(PAIRS, spores)["verdict"] == "reproduced"
     of_size = PLATEAU | {"inputs": "calibration steel.diameter_um"}
     assert marked(of_size, overlay)["verdict"] == "reproduced"
 

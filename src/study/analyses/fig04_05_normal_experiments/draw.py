@@ -77,10 +77,11 @@ def larger_keep_theirs(y: Curves) -> Stated:
         Particles are dropped, recorded by a virtual phase Doppler particle analyser
         [[instrument.probe_height_mm:g]] mm above the surface, paired, corrected, and averaged
         over [[stop.events]] events, or at least [[stop.fewest_events]] where rebounds are rare.
-        The contact is [[case]]; n is the rate exponent of the adhesion damping, whose
-        coefficient falls with the impact speed as v^-n.
+        The contact is [[case]].
     """,
     as_shipped="""
+        In its name, n is the rate exponent of the adhesion damping, whose coefficient falls with
+        the impact speed as v^-n.
         SST65 are the spheres of [[populations.SST65.diameter_um.low:.0f]] to
         [[populations.SST65.diameter_um.high:.0f]] µm (shaded marks), SST125 those of
         [[populations.SST125.diameter_um.low:.0f]] to

@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 from study import analyses
-from study.figures.declaration import all_figures
+from study.figures.declaration import FORMATS, all_figures
 from study.report.site.ledgers import Row, read_rows
 from study.report.site.record import Record
 from study.run.study import settings_as_shipped
@@ -93,6 +93,7 @@ class Figure:
     equations: tuple[Row, ...]
     claims: tuple[Row, ...]
     is_narrow: bool
+    formats: tuple[str, ...]  # In which there is a picture
 
     @property
     def alternative(self) -> str:
@@ -173,6 +174,7 @@ def figures(
             ),
             claims=tuple(row for row in ledgers["claims"] if name in row["figures"].split()),
             is_narrow=entry.get("width") == "single",
+            formats=tuple(k for k in FORMATS if (results / f"figures/{name}.{k}").is_file()),
         )
 
     return [figure(n) for n in sorted(there, key=lambda n: (not ARTICLE.fullmatch(n), n))]
