@@ -86,8 +86,8 @@ def nearly_a_power_law(y: Curves) -> Stated:
     disagreement=remarks.DISAGREEMENT,
     agreement=remarks.AGREEMENT,
     method="""
-        Fraction [[generator]] of a two-level design about [[drawn_case]]. Labelled are
-        A to D and BD, which the article names, and all effects beyond Lenth's margin;
+        Fraction [[generator]] of a two-level design about [[drawn_case]]. Labelled are A to D and
+        BD, which the article names, and, where there is room, all effects beyond Lenth's margin;
         of a sum of effects, as A+BD, the fraction does not tell the parts. The responses are
         without noise, so Lenth's margins are a guide to size, not a test; the simultaneous margin
         allows for all effects at once. Margins are for the exact capture velocity.
@@ -164,9 +164,6 @@ def _draw_effects(sheet: Sheet, effects: tuple[float, float], sizes: tuple[float
     half_normal.set(
         xlim=sizes, ylim=(-0.1, 2.4), xlabel="Size of effect (%)", ylabel="Half-normal quantile"
     )
-    half_normal.set_xticks([tick for tick in half_normal.get_xticks() if tick >= 0.0])
-    half_normal.set_xticks([], minor=True)
-    half_normal.set_xlim(sizes)
     (table,) = sheet.tables.values()
     parts = table["series"].str.split(": ", n=1, expand=True)
     word = parts[1].str.split(r"[+-]", regex=True).str[0]
@@ -177,6 +174,10 @@ def _draw_effects(sheet: Sheet, effects: tuple[float, float], sizes: tuple[float
         if rows.empty:
             raise ValueError(f"figure data: no rows for panel {ax.get_label()!r}")
         _draw_panel(ax, rows, looks, half=ax is half_normal)
+    least, greatest = half_normal.get_xlim()
+    half_normal.set_xticks([t for t in half_normal.get_xticks() if 0.0 <= t <= greatest])
+    half_normal.set_xticks([], minor=True)
+    half_normal.set_xlim(least, greatest)
     style.legend_above(sheet.figure, panels, title=LEGEND, loc="outside lower center")
     points = table[table["evidence"].isin(POINTS)]
     names = list(points["series"].unique())
@@ -214,12 +215,10 @@ def _draw_panel(ax: Axes, rows: pd.DataFrame, looks: Mapping[str, Series], *, ha
         ax.plot(points[x], points[y], label=look.label, linestyle="none", zorder=3, **pen)
         if response == main:
             worth = points["word"].isin(NAMED) | (points[x].abs() >= limit)
-            # To the side where the other response is not.
-            others = shown[~is_margin & shown["response"].isin(set(looks) - {main})]
-            size = others.drop_duplicates("label").set_index("label")[x].abs()
-            leftward = points[x].abs() < points["label"].map(size)
-            left = leftward if half else points[x] < 0.0
-            _label(ax, points[worth].assign(left=left), (x, y), colour, wide=half)
+            # Away from the middle, or to the right of both responses.
+            outer = shown[~is_margin].groupby(y)[x].transform("max")[points.index]
+            at = points.assign(at=outer if half else points[x])
+            _label(ax, at[worth], (x, y), colour, wide=half)
 
 
 def _label(
@@ -230,22 +229,26 @@ def _label(
     *,
     wide: bool,
 ) -> None:
-    """Write the effects beside their points, to the side that column ``left`` says.
+    """Write the effects beside column ``at``, those below zero to the left.
 
-    The larger an effect, the sooner it is named; one whose label would touch another has none.
+    Those that the article names come first, then the larger ones; one whose label would touch
+    another has none.
     """
     x, y = columns
     gap = LABEL_GAP + 1.5 * wide
     low, high = ax.get_ylim()
     taken: list[float] = []
-    points = points.sort_values(x, key=abs, ascending=False)
-    for label, effect, height, left in points[["label", x, y, "left"]].itertuples(index=False):
+    points = points.assign(
+        named=points["word"].isin(NAMED), size=points[x].abs(), left=points[x] < 0.0
+    )
+    points = points.sort_values(["named", "size"], ascending=False)
+    for label, at, height, left in points[["label", "at", y, "left"]].itertuples(index=False):
         if any(abs(height - other) < LABEL_HEIGHT * (high - low) for other in taken):
             continue
         taken.append(height)
         ax.annotate(
             label,
-            (effect, height),
+            (at, height),
             xytext=(-gap if left else gap, 0.0),
             textcoords="offset points",
             ha="right" if left else "left",
