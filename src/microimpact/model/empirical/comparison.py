@@ -60,6 +60,8 @@ LEAST, GREATEST = 1e-3, 1.0 - 1e-6
 # Values of v_c in a profile, at first every third of them, for then there are neighbours to start
 # from; it is drawn anew so many times, each about where chi-square is low.
 VALUES, APART, ROUNDS = 24, 3, 2
+# So many times their mean distance neighbours may be apart where chi-square is low.
+SPARSE = 2.0
 _CLOSE = 1.0 - np.geomspace(1.0 - GREATEST, 0.05, VALUES // 3)
 FIRST_VALUES = np.append(
     np.linspace(LEAST, 0.95, VALUES - _CLOSE.size, endpoint=False), _CLOSE[::-1]
@@ -625,15 +627,13 @@ class _Drawn(NamedTuple):
     x: FloatArray  # The variables there (r, ...)
 
 
-def _drawn(model: Candidate, sets: DataSets, count: int, known: bool) -> _Drawn:
+def _drawn(model: Candidate, sets: DataSets, count: int, known: bool) -> _Drawn:  # noqa: PLR0915
     """Draw profiles, closer and closer about their low parts."""
     every, freedom, reach = np.arange(len(sets.unit)), count - model.free, sets.reach
     # Where data are many, their classes tell where to search.
     data = sets if sets.scatter is None else scatter.condensed(sets)
 
-    def searched(
-        data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray
-    ) -> FloatArray:
+    def searched(data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray) -> FloatArray:
         """v_c, the deviance and the variables of each search (m, ...)."""
         deviance, x = model.profile(data, owner, v_c * reach[owner], starts)[:2]
         if sets.scatter is None and sets.tails is None and not known:
@@ -682,8 +682,10 @@ def _drawn(model: Candidate, sets: DataSets, count: int, known: bool) -> _Drawn:
         rows[..., 1] = scatter.deviance_at(model.law, sets, owner, *at).reshape(rows.shape[:2])
         part = low(rows)
         rows[part] = searched(sets, np.nonzero(part)[0], rows[part, 0], rows[None, part, 2:])
-        few = low(rows).sum(axis=1, keepdims=True) < VALUES // 2
-        rows = refined(sets, rows, np.where(few, closer(rows), rows[:, -1:, 0]))
+        part = low(rows)
+        gaps = np.diff(rows[..., 0]) * (part[:, 1:] | part[:, :-1])
+        sparse = gaps.max(axis=1, keepdims=True) > SPARSE / VALUES * gaps.sum(axis=1, keepdims=True)
+        rows = refined(sets, rows, np.where(sparse, closer(rows), rows[:, -1:, 0]))
     at = rows[every, np.argmin(rows[..., 1], axis=1)]
     return _Drawn(rows=rows[..., :2], v_c=at[:, 0], x=at[:, 2:])
 

@@ -8,9 +8,9 @@ captured ones: small spheres are missing there. Where they hold some, all are su
 recorded, and their probability counts.
 
 With heavy tails e scatters about that of its sphere as of Student's t, while sizes and speeds stay
-normal. Its scale is searched, not below a sigma that is stated, and so is its freedom if it is free.
-What sizes add to the scale at a fixed v/v_c, which is exact of normal densities alone, is less than
-a tenth of the variance of e at the errors that are usual.
+normal. Its scale is searched, not below a sigma that is stated; so are degrees of freedom that are
+free. The little that sizes add at a fixed v/v_c widens the scale, which is exact of normal
+densities alone.
 """
 
 from __future__ import annotations

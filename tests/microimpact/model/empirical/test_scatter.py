@@ -126,6 +126,25 @@ def test_its_slopes_are_those_of_differences(law, captured, freedom):
         assert gradient[k] == pytest.approx((up - down) / (2.0 * step), rel=0.02, abs=0.05)
 
 
+@pytest.mark.parametrize("tails", [None, 4.0])
+def test_many_rows_have_the_answer_of_a_search_without_classes(tails, monkeypatch):
+    random = np.random.default_rng(11)
+    v = np.geomspace(0.8, 12.0, 600) * np.exp(0.01 * random.normal(size=600))
+    share = np.exp(0.06 * random.normal(size=600)) / v
+    e = 0.8 * np.sqrt(np.maximum(1.0 - share**2, 0.0))
+    e = np.where(e > 0.0, np.clip(e + 0.02 * random.normal(size=600), 0.001, 1.0), 0.0)
+    said = {"models": ["fixed loss", "Eq. 34, q = 1/2"], "tails": tails}
+    found, by_all = [], (v, e, 0.02, 0.01 * v, None, "free")
+    for many in (500, 1000):
+        monkeypatch.setattr(scatter, "MANY", many)
+        found.append(compare_models(*by_all, **said))
+    width = np.diff(found[1].v_c_interval)[0]
+    assert found[0].v_c_interval == pytest.approx(found[1].v_c_interval, abs=0.03 * width)
+    assert found[0].size_scatter == pytest.approx(found[1].size_scatter, rel=0.02)
+    for one, other in zip(*(each.models for each in found), strict=True):
+        assert one.weight == pytest.approx(other.weight, abs=0.01)
+
+
 def test_exponents_are_those_of_capture_velocities(contact):
     """A smaller sphere of the same materials has a higher v_c, by the law's exponent."""
     viscous = contact.replace(

@@ -72,7 +72,7 @@ def test_many_degrees_of_freedom_are_the_normal_distribution():
 @pytest.mark.parametrize("sigma", [None, NOISE])
 @pytest.mark.parametrize("tails", [4.0, "free"])
 def test_two_strays_of_25_cost_little(sigma, tails):
-    """So they do where speeds have errors, too."""
+    """With exact speeds and with errors of speed."""
     clean = compare_models(*rebounds(), sigma)
     with pytest.raises(NotComputable, match="tails admit a few rows that stray"):
         compare_models(*rebounds((6, 20)), sigma)
