@@ -287,7 +287,7 @@ def _drawn(
     def log_likelihood(points: FloatArray) -> FloatArray:
         at, v_c = places(points), np.exp(points[:, free.size])
         if data.scatter is not None:
-            return -0.5 * scatter.deviance_at(law, data, v_c, at)
+            return -0.5 * scatter.deviance_at(law, data, np.zeros(len(at), int), v_c, at)
         e = shapes.curve(law, at, shapes.places(data.v / v_c[:, None]))[..., PARAMETERS]
         return np.asarray(-0.5 * np.sum(np.square((e - data.e) * data.weight / widened), axis=1))
 

@@ -21,7 +21,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import scipy
 
-from microimpact.core.arrays import FloatArray, Numbers, Range, checked
+from microimpact.core.arrays import BoolArray, FloatArray, Numbers, Range, checked
 from microimpact.core.computable import NotComputable
 from microimpact.core.readable import Readable, precise, table
 from microimpact.core.solve import roots
@@ -40,7 +40,7 @@ from microimpact.model.empirical.data import (
     tails_of,
 )
 from microimpact.model.empirical.equations import restitution
-from microimpact.model.empirical.kernel import LN_SIGMA, LN_SIZE, SCATTERED, V_C
+from microimpact.model.empirical.kernel import FREEDOM, LN_SIGMA, LN_SIZE, SCATTERED, V_C
 from microimpact.model.empirical.scatter import FIRST_SIZE
 from microimpact.model.empirical.search import STARTS, Minima, profile
 
@@ -60,6 +60,8 @@ LEAST, GREATEST = 1e-3, 1.0 - 1e-6
 # Values of v_c in a profile, at first every third of them, for then there are neighbours to start
 # from; it is drawn anew so many times, each about where chi-square is low.
 VALUES, APART, ROUNDS = 24, 3, 2
+# So many times their mean distance neighbours may be apart where chi-square is low.
+SPARSE = 2.0
 _CLOSE = 1.0 - np.geomspace(1.0 - GREATEST, 0.05, VALUES // 3)
 FIRST_VALUES = np.append(
     np.linspace(LEAST, 0.95, VALUES - _CLOSE.size, endpoint=False), _CLOSE[::-1]
@@ -133,12 +135,11 @@ class Candidate(NamedTuple):
         owner
             Number of the data set of each search, (m,).
         v_c
-            Capture velocities held, over the upper end of their range, (m,).
+            Capture velocities held, in units of the slowest rebounds, (m,).
         starts
             Variables to begin from, (s, m, ...); none for the search's own.
         """
         if data.scatter is not None:
-            v_c = v_c * data.reach[owner]
             return scatter.profile(self.law, self.q, data, owner, v_c, starts)
         if self.law is not None:
             return shapes.profile(self.law, data, owner, v_c, starts)
@@ -240,13 +241,13 @@ class Comparison(Readable):
 
     def _assumptions(self) -> str:
         """Assumptions on speeds and sizes, as the end of a sentence."""
+        heavy = ""
+        if self.tails is not None:
+            scale = f"{self.scatter:.3g} sigma" if self.sigma is None else f"{self.sigma:.2g}"
+            heavy = f";\ne scatters by {scale}, as of Student's t with {self.tails:g} degrees"
         if self.exact:
-            heavy = ""
-            if self.tails is not None:
-                scale = f"{self.scatter:.3g} sigma" if self.sigma is None else f"{self.sigma:.2g}"
-                heavy = f";\ne scatters by {scale}, as of Student's t with {self.tails:g} degrees"
             return f"{heavy}; speeds and sizes are taken as exact"
-        words = ",\naveraged over the errors of speed and the sizes"
+        words = f"{heavy},\naveraged over the errors of speed and the sizes"
         if self.size_scatter is not None:
             words += f"; these scatter by {100.0 * self.size_scatter:.2g} %"
         if self.diameter is not None:
@@ -370,10 +371,6 @@ def compare_sets(
     for number, each in enumerate(sets):
         data, order, known, diameter = _checked(*each)
         heavy = tails_of(tails, known=known)
-        if heavy and data.scatter:
-            if np.any(data.scatter.rows):
-                raise ValueError("tails must be left out where speeds have errors or sizes scatter")
-            data = replace(data, scatter=None)
         data, known = replace(data, tails=heavy), known and heavy is None
         said = data.scatter and data.scatter[1:]
         kind = order.size, int(np.sum(data.v >= 1.0)), known, said
@@ -597,8 +594,8 @@ def _likelier_scatter(
     many, count = chosen.size, int(np.sum(sets.v[0] >= 1.0))
     if count <= model.free + 1 + _spare(known):
         return np.zeros(many)
-    rows = np.zeros((many, 3, sets.v.shape[1]))
-    rows[:, 2] = 1.0
+    rows = np.zeros((many, 4, sets.v.shape[1]))
+    rows[:, 2:] = 1.0
     scattered = replace(sets, scatter=Scatter(rows, free_size=True, free_sigma=not known))
     least = drawn.rows[chosen, :, 1].min(axis=1)
     start = np.zeros((many, SCATTERED))
@@ -608,7 +605,7 @@ def _likelier_scatter(
     if not known:
         start[:, LN_SIGMA] = 0.5 * (least / count + np.log(0.5))
     owner = np.repeat(np.arange(many), len(NEARBY))
-    v_c = (drawn.v_c[chosen, None] * NEARBY / scattered.reach[:, None]).ravel()
+    v_c = (drawn.v_c[chosen, None] * NEARBY).ravel()
     searched = model.profile(scattered, owner, v_c, start[None, owner])
     each = searched.value.reshape(many, len(NEARBY))
     at = np.arange(many), each.argmin(axis=1)
@@ -627,43 +624,68 @@ class _Drawn(NamedTuple):
 
     rows: FloatArray  # v_c and deviance (r, g, 2)
     v_c: FloatArray  # The best (r,)
-    x: FloatArray  # The variables there (r, 5)
+    x: FloatArray  # The variables there (r, ...)
 
 
-def _drawn(model: Candidate, sets: DataSets, count: int, known: bool) -> _Drawn:
+def _drawn(model: Candidate, sets: DataSets, count: int, known: bool) -> _Drawn:  # noqa: PLR0915
     """Draw profiles, closer and closer about their low parts."""
-    every, freedom = np.arange(len(sets.unit)), count - model.free
+    every, freedom, reach = np.arange(len(sets.unit)), count - model.free, sets.reach
+    # Where data are many, their classes tell where to search.
+    data = sets if sets.scatter is None else scatter.condensed(sets)
 
-    def searched(owner: Places, v_c: FloatArray, starts: FloatArray) -> FloatArray:
+    def searched(data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray) -> FloatArray:
         """v_c, the deviance and the variables of each search (m, ...)."""
-        deviance, x = model.profile(sets, owner, v_c, starts)[:2]
+        deviance, x = model.profile(data, owner, v_c * reach[owner], starts)[:2]
         if sets.scatter is None and sets.tails is None and not known:
             deviance = count * np.log(np.maximum(deviance, TINY) / count)
         return np.column_stack([v_c, deviance, x])
 
-    first = np.append(FIRST_VALUES[:-1:APART], GREATEST)
-    owner, v_c = np.repeat(every, first.size), np.tile(first, every.size)
-    rows = searched(owner, v_c, np.zeros((0, 0, 0))).reshape(every.size, first.size, -1)
-    between = np.tile(np.setdiff1d(FIRST_VALUES, first), (every.size, 1))
-    for _ in range(ROUNDS + (sets.scatter is None)):
-        # Neighbours on both sides are close starts; a value that is there already stays as it is.
-        after = np.sum(rows[:, None, :, 0] < between[..., None], axis=2)
-        before, more = (rows[every[:, None], at] for at in (after - 1, after))
-        new = more[..., 0] != between
-        starts = np.stack([before[new, 2:], more[new, 2:]])
-        more[new] = searched(np.nonzero(new)[0], between[new], starts)
-        rows = np.concatenate([rows, more], axis=1)
-        rows = np.take_along_axis(rows, np.argsort(rows[..., :1], axis=1, kind="stable"), axis=1)
+    def low(rows: FloatArray) -> BoolArray:
+        """Where something of v_c is left (r, g)."""
         rise = rows[..., 1] - (lowest := rows[..., 1].min(axis=1, keepdims=True))
         negligible = (
             NEGLIGIBLE * np.maximum(lowest / freedom, 1.0)
             if known
             else count * np.log1p(NEGLIGIBLE / freedom)
         )
-        low, last = rise < negligible, rows.shape[1] - 1
-        ends = low.argmax(axis=1) - 1, last - low[:, ::-1].argmax(axis=1) + 1
+        return np.asarray(rise < negligible)
+
+    def refined(data: DataSets, rows: FloatArray, between: FloatArray) -> FloatArray:
+        """Rows with those of more v_c between them, (r, ...)."""
+        # Neighbours on both sides are close starts; a value that is there already stays as it is.
+        after = np.sum(rows[:, None, :, 0] < between[..., None], axis=2)
+        before, more = (rows[every[:, None], at] for at in (after - 1, after))
+        new = more[..., 0] != between
+        starts = np.stack([before[new, 2:], more[new, 2:]])
+        if new.any():
+            more[new] = searched(data, np.nonzero(new)[0], between[new], starts)
+        rows = np.concatenate([rows, more], axis=1)
+        return np.take_along_axis(rows, np.argsort(rows[..., :1], axis=1, kind="stable"), axis=1)
+
+    def closer(rows: FloatArray) -> FloatArray:
+        """Values of v_c in the low part (r, ...)."""
+        part, last = low(rows), rows.shape[1] - 1
+        ends = part.argmax(axis=1) - 1, last - part[:, ::-1].argmax(axis=1) + 1
         start, stop = (rows[every, np.clip(end, 0, last), 0] for end in ends)
-        between = np.linspace(start, stop, VALUES, axis=1)[:, 1:-1]
+        return np.linspace(start, stop, VALUES, axis=1)[:, 1:-1]
+
+    first = np.append(FIRST_VALUES[:-1:APART], GREATEST)
+    owner, v_c = np.repeat(every, first.size), np.tile(first, every.size)
+    rows = searched(data, owner, v_c, np.zeros((0, 0, 0))).reshape(every.size, first.size, -1)
+    between = np.tile(np.setdiff1d(FIRST_VALUES, first), (every.size, 1))
+    for _ in range(ROUNDS + (sets.scatter is None)):
+        rows = refined(data, rows, between)
+        between = closer(rows)
+    if data is not sets:
+        owner = np.repeat(every, rows.shape[1])
+        at = (rows[..., 0] * reach[:, None]).ravel(), rows[..., 2:].reshape(owner.size, -1)
+        rows[..., 1] = scatter.deviance_at(model.law, sets, owner, *at).reshape(rows.shape[:2])
+        part = low(rows)
+        rows[part] = searched(sets, np.nonzero(part)[0], rows[part, 0], rows[None, part, 2:])
+        part = low(rows)
+        gaps = np.diff(rows[..., 0]) * (part[:, 1:] | part[:, :-1])
+        sparse = gaps.max(axis=1, keepdims=True) > SPARSE / VALUES * gaps.sum(axis=1, keepdims=True)
+        rows = refined(sets, rows, np.where(sparse, closer(rows), rows[:, -1:, 0]))
     at = rows[every, np.argmin(rows[..., 1], axis=1)]
     return _Drawn(rows=rows[..., :2], v_c=at[:, 0], x=at[:, 2:])
 
@@ -773,9 +795,12 @@ def _residuals(
         moments = scatter.expected(model.law, data, v_c * data.reach[0], x)[telling]
         v, e = data.unit * data.v[0, telling], data.e[0, telling]
         missed = e - moments[:, 0]
-        sigma = None if known else float(np.exp(x[LN_SIGMA]))
-        in_sigma = missed / np.sqrt(moments[:, 1])
-        return _Residuals(rows[telling], v, e, missed, in_sigma, sigma=sigma)
+        scale = None if known else float(np.exp(x[LN_SIGMA]))
+        in_sigma, tails, share = missed / np.sqrt(moments[:, 1]), None, np.ones_like(e)
+        if data.tails is not None:
+            tails = float(x[FREEDOM])
+            share = (tails + 1.0) / (tails + in_sigma**2)
+        return _Residuals(rows[telling], v, e, missed, in_sigma, share, scale, tails)
     v, e = data.unit * data.v[0, telling], data.e[0, telling]
     missed = e - model.restitution(x, v_c, data.v[0, telling])
     in_sigma = missed * data.weight[0, telling]

@@ -93,7 +93,7 @@ def scatter_of(
     Returns
     -------
     rows, free, diameter
-        Rows of `Scatter` (3, n), whether the scatter of size is to be found, and the median
+        Rows of `Scatter` (4, n), whether the scatter of size is to be found, and the median
         diameter in m, None if no diameters are given. None instead of all, if nothing is said.
 
     Raises
@@ -117,7 +117,8 @@ def scatter_of(
             )
     checked("sigma_v / v", np.divide(speed, v), RELATIVE)
     median = float(np.median(diameter))
-    arrays = np.broadcast_arrays(np.log(np.divide(diameter, median)), np.divide(speed, v), size)
+    rows = np.log(np.divide(diameter, median)), np.divide(speed, v), size, 1.0
+    arrays = np.broadcast_arrays(*rows)
     return np.stack([np.asarray(a, float) for a in arrays]), free, None if d is None else median
 
 
@@ -152,9 +153,9 @@ def is_contradicted(v: FloatArray, e: FloatArray, rows: FloatArray) -> bool:
     v, e
         Normal speeds, m/s, and restitutions, (n,).
     rows
-        Rows of `Scatter`, (3, n).
+        Rows of `Scatter`, (4, n).
     """
-    log_d, speed, size = rows
+    log_d, speed, size, _ = rows
     if np.all(e > 0.0):
         return False
     for exponent in np.linspace(FLAT, STEEP, 6):
@@ -203,8 +204,8 @@ ARRAYS = ("v", "e", "weight", "unit", "top")
 class Scatter(NamedTuple):
     """Errors of speeds and scatter of sizes in r data sets."""
 
-    # ln of the diameter over the median one, and relative standard deviations of speed and of
-    # diameter; of a scatter of size to be found, its pattern (r, 3, n).
+    # ln of the diameter over the median one; relative standard deviations of speed and of
+    # diameter, or of a scatter of size to be found, its pattern; number of measurements (r, 4, n).
     rows: FloatArray
     free_size: bool  # Whether the scatter of size is to be found
     free_sigma: bool  # Whether sigma of e is
@@ -271,7 +272,7 @@ class DataSets:
         """Largest v_c (r,): the slowest rebound, or more where that may be of a large sphere."""
         if self.scatter is None:
             return np.ones(self.unit.shape)
-        sizes, speeds, spreads = np.abs(np.moveaxis(self.scatter.rows, 1, 0)).max(axis=2)
+        sizes, speeds, spreads, _ = np.abs(np.moveaxis(self.scatter.rows, 1, 0)).max(axis=2)
         spreads = LARGEST_SIZE_SCATTER if self.scatter.free_size else spreads
         wide = 4.0 * np.hypot(speeds, STEEP * spreads)
         return np.asarray(np.exp(np.minimum(wide, 1.0) + STEEP * sizes))

@@ -169,13 +169,14 @@ def heavy_tails(missed, count, freedoms, least, student, weights):  # type: igno
             weights[m, i] = (student[m, 2] + 1.0) / square
 
 
-# Variables of a search under scatter: four of the curve, and logarithms of factors of the standard
-# deviations of e and of the diameter. Rows of its data: ln v, ln of the diameter over the
-# reference, standard deviations of both, e and its standard deviation.
-LN_SIGMA, LN_SIZE, SCATTERED = 4, 5, 6
-LN_V, LN_D, SPEED_SD, SIZE_SD, REBOUND, E_SD = range(6)
+# Variables of a search under scatter: four of the curve, logarithms of factors of the standard
+# deviations of e and of the diameter, and degrees of freedom of e, 0 if it is normal. Rows of its
+# data: ln v, ln of the diameter over the reference, standard deviations of both, number of
+# measurements, e and its standard deviation.
+LN_SIGMA, LN_SIZE, FREEDOM, SCATTERED = 4, 5, 6, 7
+LN_V, LN_D, SPEED_SD, SIZE_SD, NUMBER, REBOUND, E_SD = range(7)
 # Nodes reach so many standard deviations. Per standard deviation of e there are so many of
-# sqrt(ln v/v_c), with which e grows about as fast. A scatter below the least is none.
+# sqrt(ln v/v_c), with which e grows at most about as fast. A scatter below the least is none.
 REACH, DENSITY, FEWEST_NODES, MOST_NODES, LEAST_SCATTER = 4.0, 0.75, 8, 400, 1e-3
 # Second axis of a law with adhesion damping: the damping over its distance from overdamping.
 DAMPING_AXIS = (1e-3, 30.0, 28)
@@ -305,13 +306,35 @@ def _curve(lines, size, scale, v_c, log_v_c, z, p, q, y, slopes, j):  # type: ig
 
 
 @_jit
-def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0915
-    """Minus twice the logarithm of the likelihood of one data set (6, n) under scatter.
+def _steepest(lines, size, scale, v_c, log_v_c, z, p, q, low, high, slopes):  # type: ignore[no-untyped-def]
+    """Largest slope of e in y = sqrt(ln v/v_c), from one y to another; 1 at most, and at capture.
 
-    e of a rebound is averaged over ln(v/v_c), normal about the measured one and above 0, with the
-    damping groups of the mean diameter at that v/v_c; what diameters scatter about that mean widens
-    the standard deviation of e. Without captured spheres all rebounds are taken given that they
-    are; else captures count as well.
+    Of Eq. (34) it is that of three values.
+    """
+    if low <= 0.0:
+        return 1.0
+    steepest = 0.0
+    if size:
+        first, last = min(int(low * scale), size - 1), min(int(high * scale) + 1, size - 1)
+        for m in range(first, last):
+            steepest = max(steepest, abs(lines[PARAMETERS, m + 1] - lines[PARAMETERS, m]))
+        return min(steepest * scale, 1.0)
+    for n in range(3):
+        y = low + 0.5 * n * (high - low)
+        _curve(lines, size, scale, v_c, log_v_c, z, p, q, y, slopes, 0)
+        gained = 2.0 * y * slopes[0, 2] / math.expm1(-y * y)
+        steepest = max(steepest, gained, 2.0 * y * slopes[0, 0])
+    return min(steepest, 1.0)
+
+
+@_jit
+def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0915
+    """Minus twice the logarithm of the likelihood of one data set (7, n) under scatter.
+
+    The density of e of a rebound, normal or Student's, is averaged over ln(v/v_c), normal about the
+    measured one and above 0, with the damping groups of the mean diameter at that v/v_c; what
+    diameters scatter about that mean widens the scale of e. Without captured spheres all rebounds
+    are taken given that they are; else captures count as well.
 
     Parameters
     ----------
@@ -320,15 +343,15 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
     scale
         Places of the table per square root of ln(v/v_c).
     data
-        Rows of one data set, (6, n).
+        Rows of one data set, (7, n).
     v_c
         Capture velocity of the median sphere, in the unit of the speeds.
     z
-        Variables, (6,).
+        Variables, (7,); there is no slope in the degrees of freedom.
     gradient, information
-        Room for the slopes, (6,), and Fisher's information by the first two moments, (6, 6).
+        Room for the slopes, (7,), and Fisher's information by the first two moments, (7, 7).
     expected
-        Room for mean and variance of e, (n, 2).
+        Room for mean and variance of e, (n, 2); Student's t counts by its scale.
     """
     size, count = grid.shape[PARAMETERS] - BY_SIZE, data.shape[1]
     lines, weights = np.zeros((PARAMETERS + 2, size + BY_SIZE)), np.zeros((PARAMETERS, 2, 4))
@@ -349,7 +372,7 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
         sphere = lines.copy()
         _sized(grid, z, reach, weights, lines, sized)
     e, slopes = np.empty(MOST_NODES), np.empty((MOST_NODES, Q + 1))
-    away, prior = np.empty(MOST_NODES), np.empty(MOST_NODES)
+    away, prior, fit = np.empty(MOST_NODES), np.empty(MOST_NODES), np.empty(MOST_NODES)
     mean, by_curve = np.empty(Q + 1), np.empty(Q + 1)
     moved, spread = np.empty(SCATTERED), np.empty(SCATTERED)
     exponent, log_v_c = lines[PARAMETERS, size], math.log(v_c)
@@ -357,10 +380,16 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
     joint = False
     for i in range(count):
         joint |= data[REBOUND, i] == 0.0
+    # Of Student's t: -2 ln of its factor over that of a normal density; the variance that its
+    # information is the inverse of; and its peak is sharper.
+    nu, factor, loose, density = z[FREEDOM], 0.0, 1.0, DENSITY
+    if nu > 0.0:
+        factor = 2.0 * (math.lgamma(0.5 * nu) - math.lgamma(0.5 * nu + 0.5)) + math.log(0.5 * nu)
+        loose, density = (nu + 3.0) / (nu + 1.0), DENSITY * (1.0 + 2.0 / nu)
     total = 0.0
     gradient[:], information[:], expected[:] = 0.0, 0.0, 0.0
     for i in range(count):
-        relative = data[SIZE_SD, i] * size_factor
+        number, relative = data[NUMBER, i], data[SIZE_SD, i] * size_factor
         by_size = exponent * relative
         s = math.sqrt(data[SPEED_SD, i] ** 2 + by_size**2 + LEAST_SCATTER**2)
         x = data[LN_V, i] - log_v_c + exponent * data[LN_D, i]
@@ -372,9 +401,9 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
         spread[LN_SIZE] = by_size**2 / s
         if data[REBOUND, i] == 0.0:
             log, slope = _below(-x / s)
-            total -= 2.0 * log
+            total -= 2.0 * number * log
             for k in range(SCATTERED):
-                gradient[k] += 2.0 * slope * (moved[k] / s - x * spread[k] / s**2)
+                gradient[k] += 2.0 * number * slope * (moved[k] / s - x * spread[k] / s**2)
             continue
         # Shares of variances: that of e alone in that of e, that of sizes in that of ln(v/v_c).
         sigma, of_e, of_size = data[E_SD, i] * math.exp(z[LN_SIGMA]), 1.0, (by_size / s) ** 2
@@ -389,7 +418,10 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
             rest = (slope * relative) ** 2 * (1.0 - of_size)
             of_e = sigma**2 / (sigma**2 + rest)
             sigma = math.sqrt(sigma**2 + rest)
-        nodes = min(max(int(DENSITY * (high - low) / sigma), FEWEST_NODES), MOST_NODES)
+        steepest = _steepest(sphere, size, scale, v_c, log_v_c, z, p, q, low, high, slopes)
+        # So that the product of both densities is resolved.
+        wanted = math.hypot(FEWEST_NODES, density * steepest * (high - low) / sigma)
+        nodes = min(int(wanted), MOST_NODES)
         step = (high - low) / nodes
         top = least = -np.inf
         for j in range(nodes):
@@ -398,7 +430,10 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
             away[j] = (y * y - x) / s
             prior[j] = math.log(2.0 * y) - 0.5 * away[j] ** 2
             least = max(least, prior[j])
-            top = max(top, prior[j] - 0.5 * ((data[REBOUND, i] - e[j]) / sigma) ** 2)
+            square = ((data[REBOUND, i] - e[j]) / sigma) ** 2
+            log = 0.5 * (nu + 1.0) * math.log1p(square / nu) if nu > 0.0 else 0.5 * square
+            fit[j] = prior[j] - log
+            top = max(top, fit[j])
         likely = all_prior = first = second = misfit = middle = square = 0.0
         mean[:], by_curve[:] = 0.0, 0.0
         for j in range(nodes):
@@ -409,40 +444,44 @@ def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # typ
             for k in range(Q + 1):
                 mean[k] += share * slopes[j, k]
             missed = (data[REBOUND, i] - e[j]) / sigma
-            share = math.exp(prior[j] - 0.5 * missed**2 - top)
+            share = math.exp(fit[j] - top)
             likely += share
-            misfit += share * missed**2
             middle += share * away[j]
             square += share * away[j] ** 2
-            share *= missed / sigma
+            share *= missed * ((nu + 1.0) / (nu + missed**2) if nu > 0.0 else 1.0)
+            misfit += share * missed
+            share /= sigma
             for k in range(Q + 1):
                 by_curve[k] += share * slopes[j, k]
-        total -= 2.0 * (math.log(likely * step / s) + top - _LN_ROOT_TWO_PI - z[LN_SIGMA])
-        total -= math.log(of_e)
+        log = math.log(likely * step / s) + top - _LN_ROOT_TWO_PI - z[LN_SIGMA]
+        total -= number * (2.0 * log - factor + math.log(of_e))
         along, across = middle / likely / s, (square / likely - 1.0) / s
         if not joint:
             log, slope = _below(x / s)
-            total += 2.0 * log
+            total += 2.0 * number * log
             along -= slope / s
             across += slope * x / s**2
         for k in range(Q + 1):
-            gradient[LN_SIZE if size and k == Q else k] -= 2.0 * by_curve[k] / likely
-        gradient[LN_SIGMA] -= 2.0 * of_e * (misfit / likely - 1.0)
-        gradient[LN_SIZE] -= 2.0 * (1.0 - of_e) * (1.0 - of_size) * (misfit / likely - 1.0)
+            gradient[LN_SIZE if size and k == Q else k] -= 2.0 * number * by_curve[k] / likely
+        misfit = 2.0 * number * (misfit / likely - 1.0)
+        gradient[LN_SIGMA] -= of_e * misfit
+        gradient[LN_SIZE] -= (1.0 - of_e) * (1.0 - of_size) * misfit
         for k in range(SCATTERED):
-            gradient[k] -= 2.0 * (along * moved[k] + across * spread[k])
+            gradient[k] -= 2.0 * number * (along * moved[k] + across * spread[k])
         first /= all_prior
         wide = max(second / all_prior - first**2, 0.0)
         variance = wide + sigma**2
         expected[i, 0], expected[i, 1] = first, variance
-        by_sigma, by_size = 2.0 * of_e * sigma**2, 2.0 * wide * spread[LN_SIZE] / s
+        variance += (loose - 1.0) * sigma**2
+        by_sigma, by_size = 2.0 * of_e * sigma**2 / variance, 2.0 * wide * spread[LN_SIZE] / s
+        by_size /= variance
         for k in range(Q + 1):
             for m in range(Q + 1):
-                information[k, m] += mean[k] * mean[m] / all_prior**2 / variance
-        information[LN_SIGMA, LN_SIGMA] += 0.5 * (by_sigma / variance) ** 2
-        information[LN_SIZE, LN_SIZE] += 0.5 * (by_size / variance) ** 2
-        information[LN_SIGMA, LN_SIZE] += 0.5 * by_sigma * by_size / variance**2
-        information[LN_SIZE, LN_SIGMA] += 0.5 * by_sigma * by_size / variance**2
+                information[k, m] += number * mean[k] * mean[m] / all_prior**2 / variance
+        information[LN_SIGMA, LN_SIGMA] += 0.5 * number * by_sigma**2
+        information[LN_SIZE, LN_SIZE] += 0.5 * number * by_size**2
+        information[LN_SIGMA, LN_SIZE] += 0.5 * number * by_sigma * by_size
+        information[LN_SIZE, LN_SIGMA] += 0.5 * number * by_sigma * by_size
     return total
 
 
@@ -455,12 +494,12 @@ def deviances(grid, scale, data, owner, v_c, z, total, gradient, information) ->
     grid, scale
         As of `deviance`.
     data
-        Rows of the data sets, (r, 6, n).
+        Rows of the data sets, (r, 7, n).
     owner, v_c, z
         Of each search the number of its data set, the capture velocity held, and the variables,
-        (m,), (m,), (m, 6).
+        (m,), (m,), (m, 7).
     total, gradient, information
-        Room, (m,), (m, 6), (m, 6, 6).
+        Room, (m,), (m, 7), (m, 7, 7).
     """
     moments = np.empty((data.shape[2], 2))
     for m in range(len(owner)):

@@ -6,9 +6,16 @@ damping of a law, in units of the contact, changes with the diameter, too. The l
 measured e is its average over that, on condition that the sphere rebounds where the data hold no
 captured ones: small spheres are missing there. Where they hold some, all are supposed to be
 recorded, and their probability counts.
+
+With heavy tails e scatters about that of its sphere as of Student's t, while sizes and speeds stay
+normal. Its scale is searched, not below a sigma that is stated; so are degrees of freedom that are
+free. The little that sizes add at a fixed v/v_c widens the scale, which is exact of normal
+densities alone.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import scipy
@@ -24,6 +31,7 @@ from microimpact.model.empirical.data import (
 )
 from microimpact.model.empirical.kernel import (
     BY_SIZE,
+    FREEDOM,
     LN_SIGMA,
     LN_SIZE,
     PARAMETERS,
@@ -45,11 +53,16 @@ from microimpact.model.empirical.search import (
 
 # Dahneke (1971): a sphere is held by a force that grows with d, and its mass with d^3.
 EXPONENT_OF_EQ_34 = 1.0
-SIGMA_BOUNDS = (1e-4, 0.5)
+SIGMA_BOUNDS, LARGEST_LN_SCALE = (1e-4, 0.5), np.log(1e12)
 # Where searches begin: sigma of e, scatter of size.
 FIRST_SIGMA, FIRST_SIZE = 0.03, 0.05
+# Degrees of freedom where searches begin, if these are free.
+FIRST_FREEDOM = 4.0
 # Starts from which a search is made, with neighbours in v_c and without.
 NEAR, FRESH = 1, 2
+# Classes of many measurements: so many of speed, in each of which e is cut at these shares, so that
+# strays remain; from so many data on.
+SPEED_CLASSES, SHARES_OF_E, MANY = 48, (0.03, 0.3, 0.7, 0.97), 500
 # A search ends where a step lowers the deviance by less.
 SMALL = 1e-2
 _SCALE = (shapes.RATIOS - 1) / np.sqrt(np.log(shapes.LARGEST_RATIO))
@@ -79,13 +92,52 @@ def size_exponent(law: str | None, x: FloatArray) -> float:
 
 
 def _data(sets: DataSets, scatter: Scatter) -> FloatArray:
-    """Data as the search takes them (r, 6, n)."""
+    """Data as the search takes them (r, 7, n)."""
     rows = [np.log(sets.v), *np.moveaxis(scatter.rows, 1, 0), sets.e, 1.0 / sets.weight]
     return np.ascontiguousarray(np.stack(rows, axis=1))
 
 
-def _box(law: str | None, q: float | None, scatter: Scatter) -> FloatArray:
-    """Bounds of the variables and the largest steps (3, 6)."""
+def condensed(sets: DataSets) -> DataSets:
+    """Means of neighbours in speed and e, where there are many: searches among them are quick.
+
+    Parameters
+    ----------
+    sets
+        Data sets with their scatter.
+    """
+    scatter, most = sets.scatter, SPEED_CLASSES * (2 + len(SHARES_OF_E))
+    assert scatter is not None
+    if sets.v.shape[1] < MANY:
+        return sets
+    # Columns are ln v and e, the rows of the scatter, and 1/sigma; captured spheres are apart.
+    every = np.concatenate(
+        [np.log(sets.v)[:, None], sets.e[:, None], scatter.rows, sets.weight[:, None]], axis=1
+    )
+    parts = []
+    for columns in every:
+        speed, e = columns[0] + columns[2], columns[1]
+        classes: list[Places] = []
+        for rows, shares in ((e == 0.0, ()), (e > 0.0, SHARES_OF_E)):
+            order = np.flatnonzero(rows)[np.argsort(speed[rows], kind="stable")]
+            for group in np.array_split(order, SPEED_CLASSES):
+                cuts = np.ceil(np.multiply(shares, group.size)).astype(int)
+                classes += np.array_split(group[np.argsort(e[group], kind="stable")], cuts)
+        means = [columns[:, group].mean(axis=1) for group in classes if group.size]
+        part = np.stack(means, axis=1)
+        part[5] = [group.size for group in classes if group.size]
+        # All data sets of a batch are of one length.
+        empty = np.repeat(part[:, :1], most - part.shape[1], axis=1)
+        empty[5] = 0.0
+        parts.append(np.concatenate([part, empty], axis=1))
+    log_v, e, *rows, weight = np.moveaxis(np.array(parts), 1, 0)
+    fewer = scatter._replace(rows=np.stack(rows, axis=1))
+    return replace(sets, v=np.exp(log_v), e=e, weight=weight, scatter=fewer)
+
+
+def _box(law: str | None, q: float | None, sets: DataSets) -> FloatArray:
+    """Bounds of the variables and the largest steps (3, 7)."""
+    scatter, tails = sets.scatter, sets.tails
+    assert scatter is not None
     box = np.zeros((3, SCATTERED))
     if law is None:
         exponents = (q, q) if q else EXPONENT_BOUNDS
@@ -95,6 +147,9 @@ def _box(law: str | None, q: float | None, scatter: Scatter) -> FloatArray:
     else:
         box[1, :PARAMETERS] = np.array(_table(law).shape[:PARAMETERS]) - 1.0
         box[2, :PARAMETERS] = shapes.LONGEST * box[1, :PARAMETERS]
+    if tails is not None:
+        box[:2, FREEDOM] = min(tails.freedoms), max(tails.freedoms)
+        box[:, LN_SIGMA] = 0.0, LARGEST_LN_SCALE, 1.0
     if scatter.free_sigma:
         box[:, LN_SIGMA] = *np.log(SIGMA_BOUNDS), 1.0
     if scatter.free_size:
@@ -105,7 +160,7 @@ def _box(law: str | None, q: float | None, scatter: Scatter) -> FloatArray:
 def _starts(
     law: str | None, q: float | None, top: FloatArray, v_c: FloatArray, box: FloatArray
 ) -> FloatArray:
-    """Starts (s, m, 6) that depend on no other search."""
+    """Starts (s, m, 7) that depend on no other search."""
     if law is None:
         rows = [
             [k * top, np.full_like(top, p), 0.3 * v_c, np.full_like(top, q or exponent)]
@@ -117,9 +172,11 @@ def _starts(
         first = np.repeat(shares[:, None], top.size, axis=1)
     starts = np.zeros((*first.shape[:2], SCATTERED))
     starts[..., : first.shape[2]] = first
-    for variable, value in ((LN_SIGMA, FIRST_SIGMA), (LN_SIZE, FIRST_SIZE)):
-        if box[2, variable]:
-            starts[..., variable] = np.log(value)
+    starts[..., FREEDOM] = np.clip(FIRST_FREEDOM, *box[:2, FREEDOM])
+    if box[0, LN_SIGMA] < 0.0:
+        starts[..., LN_SIGMA] = np.log(FIRST_SIGMA)
+    if box[2, LN_SIZE]:
+        starts[..., LN_SIZE] = np.log(FIRST_SIZE)
     return starts
 
 
@@ -142,40 +199,46 @@ def profile(
     v_c
         Capture velocities of the median sphere (m,), in units of the slowest rebounds.
     starts
-        Variables (s, m, 6) to start from; empty: from those of the law.
+        Variables (s, m, 7) to start from; empty: from those of the law.
 
     Returns
     -------
     Minima
-        Of the deviance; where sigma is not given, less the number of data, and with the factor of
-        `_likelihood`.
+        Of the deviance; where sigma is searched, less the number of data, and where it is not
+        given with the factor of `_likelihood`.
     """
-    scatter = sets.scatter
+    scatter, tails = sets.scatter, sets.tails
     assert scatter is not None
-    low, high, stride = box = _box(law, q, scatter)
+    low, high, stride = box = _box(law, q, sets)
     fresh = not len(starts)
     begun = _starts(law, q, sets.top[owner], v_c, box) if fresh else starts
     many = v_c.size, 1
     bounds = Box(np.tile(low, many), np.tile(high, many), stride)
     objective = _likelihood(law, sets, owner, v_c)
-    minima = lowest(objective, begun, bounds, 0.0, SMALL, FRESH if fresh else NEAR)
-    if not scatter.free_sigma:
-        return minima
-    # Of n data without scatter the deviance is n (ln(sum of squares/n) + 1).
-    count = np.sum(sets.v[owner] >= 1.0, axis=1)
-    return minima._replace(value=minima.value - count, each=minima.each - count)
+    if tails is None or len(tails.freedoms) == 1:
+        return lowest(objective, begun, bounds, 0.0, SMALL, FRESH if fresh else NEAR)
+    # A search keeps its degrees of freedom: all are tried, the likeliest followed.
+    if fresh:
+        begun = lowest(objective, begun, bounds, 0.0, SMALL, FRESH).x[None]
+    begun = np.repeat(begun, len(tails.freedoms), axis=0)
+    begun[..., FREEDOM] = np.resize(tails.freedoms, len(begun))[:, None]
+    return lowest(objective, begun, bounds, 0.0, SMALL, None if fresh else NEAR + 1)
 
 
 def _likelihood(law: str | None, sets: DataSets, owner: Places, v_c: FloatArray) -> Objective:
-    """Deviance of searches, each with its data set and v_c held, (m,).
+    """Deviance of searches, each with its data set and v_c held, (m,), as of `profile`.
 
     Few data can be explained by sizes and speeds alone, and with a sigma to be found the likelihood
     has no bound where that is none. So each scatter has a factor then that is proportional to it
     (Chung et al. 2013).
     """
-    assert sets.scatter is not None
-    table, data = _table(law), _data(sets, sets.scatter)
-    _, free_size, free_sigma, _ = sets.scatter
+    scatter = sets.scatter
+    assert scatter is not None
+    table, data = _table(law), _data(sets, scatter)
+    free_size, free_sigma = scatter.free_size, scatter.free_sigma
+    # Of n data without scatter the deviance is n (ln(sum of squares/n) + 1).
+    searched = free_sigma or sets.tails is not None
+    number = searched * np.sum(scatter.rows[:, -1] * (sets.v >= 1.0), axis=1)
     unknown = [LN_SIGMA, LN_SIZE][: 1 + free_size]
     usual = np.log([FIRST_SIGMA, FIRST_SIZE][: 1 + free_size])
 
@@ -187,6 +250,7 @@ def _likelihood(law: str | None, sets: DataSets, owner: Places, v_c: FloatArray)
         )
         searches = owner[rows], v_c[rows], np.ascontiguousarray(x)
         deviances(table, _SCALE, data, *searches, total, slope, information)
+        total -= number[searches[0]]
         if free_sigma:
             total -= 2.0 * (x[:, unknown] - usual).sum(axis=1)
             slope[:, unknown] -= 1.0
@@ -195,22 +259,23 @@ def _likelihood(law: str | None, sets: DataSets, owner: Places, v_c: FloatArray)
     return objective
 
 
-def deviance_at(law: str | None, sets: DataSets, v_c: FloatArray, x: FloatArray) -> FloatArray:
-    """Deviance (m,) of one data set at capture velocities (m,) and variables (m, 6).
+def deviance_at(
+    law: str | None, sets: DataSets, owner: Places, v_c: FloatArray, x: FloatArray
+) -> FloatArray:
+    """Deviance (m,), as of `profile`, at capture velocities (m,) and variables (m, 7).
 
     Parameters
     ----------
     law
         One of `shapes.LAWS`, or None for Eq. (34).
-    sets
-        A single data set with its scatter.
+    sets, owner
+        Data sets with their scatter, and the number of that of each deviance, (m,).
     v_c
         Capture velocities of the median sphere, in the unit of the speeds, (m,).
     x
-        Variables of the search, (m, 6).
+        Variables of the search, (m, 7).
     """
-    every = np.arange(len(x))
-    return _likelihood(law, sets, 0 * every, v_c)(x, every)[0]
+    return _likelihood(law, sets, owner, v_c)(x, np.arange(len(x)))[0]
 
 
 def expected(law: str | None, sets: DataSets, v_c: float, x: FloatArray) -> FloatArray:
@@ -225,7 +290,7 @@ def expected(law: str | None, sets: DataSets, v_c: float, x: FloatArray) -> Floa
     v_c
         Capture velocity of the median sphere, in the unit of the speeds.
     x
-        Variables of the search, (6,).
+        Variables of the search, (7,).
     """
     assert sets.scatter is not None
     moments = np.empty((sets.v.shape[1], 2))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.stats import norm
+from scipy.stats import norm, t
 
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
@@ -13,6 +13,7 @@ from microimpact.model.empirical.comparison import _checked, compare_models, com
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.kernel import (
     BY_SIZE,
+    FREEDOM,
     LEAST_SCATTER,
     LN_SIGMA,
     LN_SIZE,
@@ -37,16 +38,18 @@ def deviance_of(law, captured, x, v_c=V_C):
     return total, gradient.copy()
 
 
-def variables(law):
+def variables(law, freedom=0.0):
     x = np.zeros(SCATTERED)
     x[:4] = PLACES[law]
-    x[LN_SIZE] = np.log(SIZE)
+    x[LN_SIZE], x[FREEDOM] = np.log(SIZE), freedom
     return x
 
 
 @pytest.mark.parametrize("captured", [True, False])
-def test_the_likelihood_of_eq_34_is_the_average_over_spheres_and_speeds(captured):
-    x = variables(None)
+@pytest.mark.parametrize("freedom", [0.0, 1.0, 2.0, 4.0])
+def test_the_likelihood_of_eq_34_is_the_average_over_spheres_and_speeds(freedom, captured):
+    x = variables(None, freedom)
+    of_e = t(freedom, scale=SIGMA) if freedom else norm(scale=SIGMA)
     k, p, kappa, q = np.exp(x[:4])
     s = np.sqrt(SIGMA_V**2 + SIZE**2 + LEAST_SCATTER**2)
     expected = 0.0
@@ -59,7 +62,7 @@ def test_the_likelihood_of_eq_34_is_the_average_over_spheres_and_speeds(captured
 
         def density(u, middle=middle, measured=measured):
             e = restitution(V_C * np.exp(u), k, p, kappa, q, V_C)
-            return norm.pdf(u, middle, s) * norm.pdf(measured, e, SIGMA)
+            return norm.pdf(u, middle, s) * of_e.pdf(measured - e)
 
         ends = 0.0, max(middle, 0.0) + 8.0 * s
         likely = quad(density, *ends, points=points[points > 0.0], limit=400)[0]
@@ -110,16 +113,36 @@ def _exponent(law, x):
     return float(rows[0, 0, -1])
 
 
+@pytest.mark.parametrize("freedom", [0.0, 3.0])
 @pytest.mark.parametrize("captured", [True, False])
 @pytest.mark.parametrize("law", [None, "ring force"])
-def test_its_slopes_are_those_of_differences(law, captured):
-    x, step = variables(law), 1e-4
+def test_its_slopes_are_those_of_differences(law, captured, freedom):
+    x, step = variables(law, freedom), 1e-4
     free = [0, 1, 2, 3, LN_SIGMA, LN_SIZE] if law is None else [0, 1, 2, LN_SIGMA, LN_SIZE]
     gradient = deviance_of(law, captured, x)[1]
     for k in free:
         change = step * np.eye(SCATTERED)[k]
         up, down = (deviance_of(law, captured, x + sign * change)[0] for sign in (1.0, -1.0))
         assert gradient[k] == pytest.approx((up - down) / (2.0 * step), rel=0.02, abs=0.05)
+
+
+@pytest.mark.parametrize("tails", [None, 4.0])
+def test_many_rows_have_the_answer_of_a_search_without_classes(tails, monkeypatch):
+    random = np.random.default_rng(11)
+    v = np.geomspace(0.8, 12.0, 600) * np.exp(0.01 * random.normal(size=600))
+    share = np.exp(0.06 * random.normal(size=600)) / v
+    e = 0.8 * np.sqrt(np.maximum(1.0 - share**2, 0.0))
+    e = np.where(e > 0.0, np.clip(e + 0.02 * random.normal(size=600), 0.001, 1.0), 0.0)
+    said = {"models": ["fixed loss", "Eq. 34, q = 1/2"], "tails": tails}
+    found, by_all = [], (v, e, 0.02, 0.01 * v, None, "free")
+    for many in (500, 1000):
+        monkeypatch.setattr(scatter, "MANY", many)
+        found.append(compare_models(*by_all, **said))
+    width = np.diff(found[1].v_c_interval)[0]
+    assert found[0].v_c_interval == pytest.approx(found[1].v_c_interval, abs=0.03 * width)
+    assert found[0].size_scatter == pytest.approx(found[1].size_scatter, rel=0.02)
+    for one, other in zip(*(each.models for each in found), strict=True):
+        assert one.weight == pytest.approx(other.weight, abs=0.01)
 
 
 def test_exponents_are_those_of_capture_velocities(contact):

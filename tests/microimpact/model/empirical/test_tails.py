@@ -58,26 +58,32 @@ def test_slopes_are_those_of_the_deviance():
 def test_many_degrees_of_freedom_are_the_normal_distribution():
     v, e = rebounds()
     models = ["fixed loss", "viscous JKR"]
-    normal, heavy = (compare_models(v, e, models=models, tails=each) for each in (None, 1e6))
-    assert heavy.v_c_interval == pytest.approx(normal.v_c_interval, rel=1e-3)
-    assert [m.criterion for m in heavy.models] == pytest.approx(
-        [m.criterion for m in normal.models], abs=0.01
-    )
+    for size in (None, 0.05, "free"):
+        normal, heavy = (
+            compare_models(v, e, size_scatter=size, models=models, tails=each)
+            for each in (None, 1e6)
+        )
+        assert heavy.v_c_interval == pytest.approx(normal.v_c_interval, rel=1e-3)
+        assert [m.criterion for m in heavy.models] == pytest.approx(
+            [m.criterion for m in normal.models], abs=0.01
+        )
 
 
 @pytest.mark.parametrize("sigma", [None, NOISE])
 @pytest.mark.parametrize("tails", [4.0, "free"])
 def test_two_strays_of_25_cost_little(sigma, tails):
+    """With exact speeds and with errors of speed."""
     clean = compare_models(*rebounds(), sigma)
     with pytest.raises(NotComputable, match="tails admit a few rows that stray"):
         compare_models(*rebounds((6, 20)), sigma)
-    heavy = compare_models(*rebounds((6, 20)), sigma, tails=tails)
-    low, high = heavy.v_c_interval
-    assert low < LIMIT < high
-    assert high - low < 2.0 * np.diff(clean.v_c_interval)
-    assert any("row 7" in words and "row 21" in words for words in heavy.warnings)
-    assert heavy.tails in {4.0, 2.0, 3.0}
-    assert (heavy.sigma is None) == (sigma is not None)
+    for errors in ({}, {"sigma_v": 1e-4}):
+        heavy = compare_models(*rebounds((6, 20)), sigma, **errors, tails=tails)
+        low, high = heavy.v_c_interval
+        assert low < LIMIT < high
+        assert high - low < 2.0 * np.diff(clean.v_c_interval)
+        assert any("row 7" in words and "row 21" in words for words in heavy.warnings)
+        assert heavy.tails in {4.0, 2.0, 3.0}
+        assert (heavy.sigma is None) == (sigma is not None)
 
 
 def test_refused_tails():
@@ -86,5 +92,32 @@ def test_refused_tails():
         compare_models(v, e, tails=0.5)
     with pytest.raises(ValueError, match="degrees of freedom or 'free'"):
         compare_models(v, e, tails="heavy")
-    with pytest.raises(ValueError, match="left out where speeds have errors"):
-        compare_models(v, e, tails=4.0, size_scatter=0.1)
+
+
+ERRORS = {"exact": {}, "given": {"sigma_v": 0.004, "size_scatter": 0.05}, "free": {
+    "sigma_v": 0.004, "size_scatter": "free"}}  # fmt: skip
+
+
+@pytest.mark.parametrize("tails", [None, 4.0, "free"])
+@pytest.mark.parametrize("errors", [*ERRORS])
+@pytest.mark.parametrize("sigma", [None, NOISE])
+@pytest.mark.parametrize("captured", [False, True])
+def test_all_that_may_be_said_goes_together(captured, sigma, errors, tails):
+    random = np.random.default_rng(7)
+    v = LIMIT * np.geomspace(0.85, 12.0, 30)
+    share = LIMIT / v * np.exp(0.05 * random.normal(size=30))
+    e = 0.72 * np.sqrt(np.maximum(1.0 - share**2, 0.0))
+    e = np.where(e > 0.0, np.clip(e + NOISE * random.standard_t(4.0, 30), 0.01, 1.0), 0.0)
+    kept = (e > 0.0) | captured
+    models = ["fixed loss", "viscous JKR", "Eq. 34, q = 1/2"]
+    found = compare_models(v[kept], e[kept], sigma, **ERRORS[errors], models=models, tails=tails)
+    low, high = found.v_c_interval
+    assert 0.0 <= low < found.v_c < high < 2.0 * LIMIT
+    weights = [model.weight for model in found.models]
+    assert np.isfinite(weights).all()
+    assert sum(weights) == pytest.approx(1.0)
+    assert found.exact == (errors == "exact")
+    assert (found.tails is None) == (tails is None)
+    assert (found.size_scatter is None) == (errors != "free")
+    assert (found.sigma is None) == (sigma is not None)
+    assert ("Student's t" in found.summary()) == (tails is not None)
