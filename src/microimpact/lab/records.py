@@ -34,8 +34,8 @@ from microimpact.lab.ptis.tracks import Leg, fit_path
 # the velocity change by this share of the speed: drag or a distorted picture bend a flight, too.
 LEAST_POINTS = 3
 CUT, BLUR, KINK = 1e-4, 1e-3, 0.1
-# The scatter of all flights counts as so many deviations beside a flight's own (an empirical prior
-# as of Smyth, 2004); a flight that scatters so many times as much is no single one.
+# Deviations of a flight that the scatter of all flights counts as (an empirical prior as of Smyth,
+# 2004), and its multiple at which a flight is no single one.
 PRIOR, ROUGH = 10.0, 5.0
 # Standard deviations by which flights may miss each other, and one between rebound and rest.
 MEETING, RESTING = 6.0, 3.0

@@ -63,7 +63,7 @@ class Rules:
     must_leave
         An event counts only if the sphere leaves the nominal surface.
     most_contacts
-        So many facets may be hit in turn by a sphere that does not leave the surface.
+        Facets that a sphere may hit in turn without leaving the surface.
     """
 
     facets: Literal["seen", "facing", "every"]

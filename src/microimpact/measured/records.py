@@ -57,7 +57,7 @@ OPTIONS = {
     "times": ("sigma_t",),
 }
 DIRECTIONS = {"gravity": ("down", "none"), "y": ("down", "up")}
-# A fall that is known to this share is compared with g; so many of its errors off, it differs.
+# Relative error up to which a fall is compared with g, and errors from which on it differs.
 WELL_KNOWN, DIFFERENT = 0.2, 3.0
 
 

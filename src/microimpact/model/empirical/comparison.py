@@ -58,9 +58,9 @@ TINY, LARGEST_LOG = 1e-300, 600.0
 # v_c is sought between these shares of the smallest rebounding speed.
 LEAST, GREATEST = 1e-3, 1.0 - 1e-6
 # Values of v_c in a profile, at first every third of them, for then there are neighbours to start
-# from; it is drawn anew so many times, each about where chi-square is low.
+# from; then the rounds in which it is drawn anew where chi-square is low.
 VALUES, APART, ROUNDS = 24, 3, 2
-# So many times their mean distance neighbours may be apart where chi-square is low.
+# Largest distance of neighbours where chi-square is low, over the mean distance.
 SPARSE = 2.0
 _CLOSE = 1.0 - np.geomspace(1.0 - GREATEST, 0.05, VALUES // 3)
 FIRST_VALUES = np.append(
@@ -76,7 +76,7 @@ LIKELY_SCATTER = 0.02
 LIGHT = 0.05
 # Shares by which tests reject: misfit, residuals in runs, a stray row.
 REJECTED = 0.01
-# Rows so many sigma off count little under Student's t.
+# Rows this many sigma off count little under Student's t.
 STRAY = 4.0
 # Rows that a message names at most.
 NAMED = 3
@@ -545,7 +545,7 @@ def _misfits(
 def _affordable(
     candidates: dict[str, Candidate], more: int, count: int, known: bool
 ) -> dict[str, Candidate]:
-    """Models that so many points are enough for, with so many more free parameters."""
+    """Models for which `count` points are enough, with `more` free parameters."""
     tried = {
         name: model._replace(free=model.free + more)
         for name, model in candidates.items()
@@ -774,7 +774,7 @@ class _Residuals(NamedTuple):
     tails: float | None = None  # Degrees of freedom of Student's t
 
     def largest(self, least: float = 0.0) -> str:
-        """Rows of the largest residuals, in words, if these are at least so many sigma."""
+        """Rows of the largest residuals, in words, if these are at least `least` sigma."""
         size = np.abs(self.in_sigma)
         words = ", ".join(
             f"row {self.rows[i]} (v = {self.v[i]:.4g} m/s, e = {self.e[i]:.3g}, "

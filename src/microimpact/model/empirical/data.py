@@ -34,7 +34,7 @@ DIAMETERS = Range(lower=1e-12, upper=1e3, lower_closed=True, upper_closed=True)
 RELATIVE = Range(lower=0.0, upper=0.5, lower_closed=True)
 SMALLEST_SIZE_SCATTER, LARGEST_SIZE_SCATTER = 0.002, 0.4
 STEEP, FLAT = 1.8, 0.8
-# So many standard deviations no sphere of a set is off.
+# Standard deviations by which no sphere of a set is off.
 FAR_OFF = 4.0
 FREE = "free"
 # Degrees of freedom that are tried; least scale of e where sigma is not given.

@@ -23,7 +23,7 @@ from microimpact.model.empirical.search import CLOSEST, STARTS, BatchFit, fit_ba
 
 NAMES = ("k", "p", "kappa", "q", "v_c")
 UNITS = ("m/s", "", "m/s", "", "m/s")
-# A standard error so many times the value leaves the parameter open.
+# A standard error of this many times the value leaves the parameter open.
 OPEN = 10.0
 # A chi-square that fewer than this share of data sets would exceed is too large for the curve.
 TOO_LARGE = 0.01

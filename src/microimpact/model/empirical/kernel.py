@@ -175,8 +175,8 @@ def heavy_tails(missed, count, freedoms, least, student, weights):  # type: igno
 # measurements, e and its standard deviation.
 LN_SIGMA, LN_SIZE, FREEDOM, SCATTERED = 4, 5, 6, 7
 LN_V, LN_D, SPEED_SD, SIZE_SD, NUMBER, REBOUND, E_SD = range(7)
-# Nodes reach so many standard deviations. Per standard deviation of e there are so many of
-# sqrt(ln v/v_c), with which e grows at most about as fast. A scatter below the least is none.
+# Standard deviations that nodes reach; nodes of sqrt(ln v/v_c), with which e grows at most about as
+# fast, per standard deviation of e; their numbers; and the scatter below which there is none.
 REACH, DENSITY, FEWEST_NODES, MOST_NODES, LEAST_SCATTER = 4.0, 0.75, 8, 400, 1e-3
 # Second axis of a law with adhesion damping: the damping over its distance from overdamping.
 DAMPING_AXIS = (1e-3, 30.0, 28)

@@ -60,9 +60,10 @@ FIRST_SIGMA, FIRST_SIZE = 0.03, 0.05
 FIRST_FREEDOM = 4.0
 # Starts from which a search is made, with neighbours in v_c and without.
 NEAR, FRESH = 1, 2
-# Classes of many measurements: so many of speed, in each of which e is cut at these shares, so that
-# strays remain; from so many data on.
-SPEED_CLASSES, SHARES_OF_E, MANY = 48, (0.03, 0.3, 0.7, 0.97), 500
+# From this number of measurements on, a search begins with classes of them.
+MANY = 500
+# Classes of speed, and the shares at which e is cut in each, so that strays remain.
+SPEED_CLASSES, SHARES_OF_E = 48, (0.03, 0.3, 0.7, 0.97)
 # A search ends where a step lowers the deviance by less.
 SMALL = 1e-2
 _SCALE = (shapes.RATIOS - 1) / np.sqrt(np.log(shapes.LARGEST_RATIO))

@@ -74,7 +74,7 @@ def as_imaged(
 ) -> Seen:
     """Return the sample as the camera sees it, without errors that its events share.
 
-    So many events are wanted; after the most particles dropped the sample is taken as it is.
+    Stops at `events` events or `most_dropped` particles.
     """
     exact = replace(instrument, rate_error=0.0, scale_error=0.0, angle_error_deg=0.0)
     sampling = sample.sampling
