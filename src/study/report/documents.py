@@ -168,12 +168,15 @@ def renew(results: Path, docs: Path, kept: Path) -> list[Path]:
     texts, names = pages(results, docs)
     wanted = {docs / name: text.encode() for name, text in texts.items()}
     # Data of figures are large; the references of the small run have them.
-    files = [f"tables/{name}.csv" for name in names if (results / f"tables/{name}.csv").is_file()]
-    wanted |= {kept / file: (results / file).read_bytes() for file in files}
+    tables = [name for name in names if (results / f"tables/{name}.csv").is_file()]
+    wanted |= {
+        kept / f"tables/{name}.csv": (results / f"tables/{name}.csv").read_bytes()
+        for name in tables
+    }
     changed = [p for p, data in wanted.items() if not p.is_file() or p.read_bytes() != data]
     for path in changed:
         write_file(path, wanted[path])
-    gone = [path for path in kept.glob("tables/*.csv") if f"tables/{path.name}" not in files]
+    gone = [path for path in (kept / "tables").glob("*.csv") if path.stem not in tables]
     for path in gone:
         path.unlink()
     return sorted([*changed, *gone])

@@ -19,19 +19,18 @@ from microimpact.lab.pdpa.experiment import QUANTITIES, collect
 from microimpact.lab.reduction import interval_columns
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.statistics.distributions import Distribution, generator, mean
+from microimpact.statistics.distributions import generator, mean
 from microimpact.statistics.intervals import mean_and_error
 from study.contacts import calibrated_contact, pair_of, printed_values_for
 from study.declared.parameters import (
     CaseName,
     ExperimentSeed,
     Fraction,
-    MaterialName,
     Name,
     Points,
     Positive,
 )
-from study.laboratory import Laboratory
+from study.laboratory import Laboratory, Sieve
 from study.tables import Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",)}
@@ -50,21 +49,13 @@ SIZES = 200
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Population:
-    """Particles of one sieve class."""
-
-    particle: MaterialName
-    diameter_um: Distribution
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
     """Two sieve classes on one surface over a range of speeds."""
 
     seed: ExperimentSeed
     case: CaseName
     other_case: CaseName
-    populations: dict[Name, Population]
+    populations: dict[Name, Sieve]
     speeds_m_per_s: tuple[Positive, ...]
     speed_window: Fraction
     stop: StopRule
@@ -121,7 +112,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
 
 
-def experiment(params: Params, population: Population, speed: float, contact: Contact) -> Outcome:
+def experiment(params: Params, population: Sieve, speed: float, contact: Contact) -> Outcome:
     """Return one experiment: its first accepted events near the nominal speed are averaged."""
     window = params.speed_window
     drop = Drop(
@@ -153,7 +144,7 @@ def experiment_row(population: str, speed: float, outcome: Outcome) -> dict[str,
     }
 
 
-def sieve_curve(params: Params, population: Population, contact: Contact) -> Curve:
+def sieve_curve(params: Params, population: Sieve, contact: Contact) -> Curve:
     """Return the mean of a sieve class over its sizes, at speeds up to the largest."""
     share = (np.arange(SIZES) + 0.5) / SIZES
     sized = resized(contact, population.diameter_um.quantile(share) * 1e-6)
