@@ -83,7 +83,8 @@ def drawn_size(effective_size: float, draws: int) -> float:
 
 def pool(
     compute: Callable[[FloatArray], Record],
-    log_densities: Callable[[Record], FloatArray],
+    logs_of: Callable[[Record], FloatArray],
+    log_densities: Callable[[FloatArray], FloatArray],
     axes: int,
     *,
     first: int,
@@ -96,8 +97,10 @@ def pool(
     ----------
     compute
         What is wanted at points (n, axes) of the unit cube, as arrays (n, ...).
+    logs_of
+        From that, logarithms of densities (n, k), -inf for none; asked for once at each point.
     log_densities
-        From that, logarithms of the densities (n, densities), -inf for none.
+        From those of all points so far, logarithms of the densities (n, densities) to be drawn by.
     axes
         Of the cube.
     first
@@ -111,12 +114,12 @@ def pool(
     from scipy.stats.qmc import Sobol
 
     points = Sobol(axes, rng=rng).random_base2(first)
-    record = compute(points)
+    known = logs_of(compute(points))
     drawn = np.full(len(points), float(len(points)))
     sets: list[list[Kernels]] = []
 
     def kernels_of_all(draws: int) -> list[Kernels]:
-        logs = log_densities(record) - np.log(drawn)[:, None]
+        logs = log_densities(known) - np.log(drawn)[:, None]
         columns = [column for column in logs.T if np.any(column > -np.inf)]
         number = -(-draws // (EACH * len(columns)))
         return [kernels(points, column, number, rng) for column in columns]
@@ -124,8 +127,7 @@ def pool(
     for _ in range(rounds):
         latest = kernels_of_all(2 ** (first - 1))
         new = inside(np.concatenate([each.draw(rng) for each in latest]))
-        part = compute(new)
-        record = {name: np.concatenate([value, part[name]]) for name, value in record.items()}
+        known = np.concatenate([known, logs_of(compute(new))])
         earlier = sum((each.density(new) for each in chain(*sets)), np.full(len(new), 2.0**first))
         drawn, points = np.concatenate([drawn, earlier]), np.concatenate([points, new])
         drawn = drawn + sum(each.density(points) for each in latest)

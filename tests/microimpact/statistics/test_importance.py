@@ -28,6 +28,7 @@ def drawn(request):
     return pool(
         lambda points: {"log": densities(points)},
         lambda record: record["log"],
+        lambda logs: logs,
         3,
         first=12,
         rounds=6,
@@ -74,6 +75,7 @@ def test_integrals_of_few_points_are_right_in_the_mean_and_vary_as_stated():
         of_seed = pool(
             lambda points: {"log": ridge.logpdf(points)},
             lambda record: record["log"][:, None],
+            lambda logs: logs,
             5,
             first=8,
             rounds=4,

@@ -199,14 +199,22 @@ def values_at(case: Case, law: LawPrior, inputs: Tables, points: FloatArray) -> 
 
 def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance.Pool:
     """Draw contacts of a law where any scenario, omission or choice finds them likely."""
-    law = case.laws[name]
+    law, rows = case.laws[name], list(case.rows())
 
-    def log_densities(values: importance.Record) -> FloatArray:
+    def logs_of(values: importance.Record) -> FloatArray:
+        judged = Judged(case, law, dict(values))
+        return np.stack(
+            [
+                judged.likelihood(scenario).total + law.log_prior(scenario, judged.values)
+                for *_, scenario in rows
+            ],
+            axis=1,
+        )
+
+    def log_densities(known: FloatArray) -> FloatArray:
         columns: dict[str, FloatArray] = {}
         heights: dict[str, float] = {}
-        judged = Judged(case, law, dict(values))
-        for kind, row, scenario in case.rows():
-            logs = judged.likelihood(scenario).total + law.log_prior(scenario, judged.values)
+        for (kind, row, _), logs in zip(rows, known.T, strict=True):
             # What is left without one statement or another is one density, broader than the rest,
             # and so is what other choices leave.
             name, height = row if kind == "scenario" else kind, float(np.max(logs))
@@ -218,6 +226,7 @@ def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance
 
     return importance.pool(
         partial(values_at, case, law, inputs),
+        logs_of,
         log_densities,
         len(law.ranges),
         first=params.first - min(max(AXES - len(law.ranges), 0), FEWEST),
