@@ -63,6 +63,11 @@ def test_all_differences_of_tables_are_named_with_both_cells(after, expected):
     assert [tuple(getattr(d, name) for name in fields) for d in differences] == expected
 
 
+def test_rows_of_numbers_alone_are_matched_by_their_order():
+    (difference,) = compared("x,y\n1,10\n2,20\n", "x,y\n1,10\n2,22\n")
+    assert (difference.row, difference.column, difference.result) == ("row 2", "y", "22")
+
+
 @pytest.mark.parametrize(
     ("tolerance", "value", "differs"),
     [

@@ -66,7 +66,9 @@ def compare_tables(
     common = [str(column) for column in reference if column in result]
     declared = next((names for start, names in KEYS.items() if file.startswith(start)), ())
     keys = [name for name in declared if name in common]
-    keys = keys or [name for name in common if any(_has_words(table[name]) for table in tables)]
+    keys = keys or [
+        name for name in common if any(_has_words(table[name].to_numpy()) for table in tables)
+    ]
     before, after = (_named(table, keys) for table in tables)
     label = _labels([*before, *after])
     at, words = partial(Difference, file=file), partial(_words, keys=keys)
@@ -87,30 +89,34 @@ def compare_tables(
     names = [name for name in before if name in after]
     places = [[rows[name] for name in names] for rows in (before, after)]
     for column in common:
-        a, b = (t[column].iloc[p] for t, p in zip(tables, places, strict=True))
+        a, b = (t[column].to_numpy()[p] for t, p in zip(tables, places, strict=True))
         for i, kind in _unequal(a, b, tolerance(column)):
-            cells = {"reference": a.iloc[i], "result": b.iloc[i]}
+            cells = {"reference": a[i], "result": b[i]}
             differences.append(at(kind=kind, row=label(names[i]), column=column, **cells))
     return differences
 
 
-def _numbers(cells: pd.Series) -> pd.Series:
-    return pd.to_numeric(cells, errors="coerce").astype(float)
+def _numbers(cells: np.ndarray) -> np.ndarray:
+    return np.asarray(pd.to_numeric(cells, errors="coerce"), dtype=float)
 
 
-def _is_text(cells: pd.Series) -> pd.Series:
-    return _numbers(cells).isna() & ~cells.str.lower().isin(["", "nan"])
+def _is_text(cells: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    text: np.ndarray = np.isnan(numbers)
+    text[text] = [cell.lower() not in {"", "nan"} for cell in cells[text]]
+    return text
 
 
-def _has_words(cells: pd.Series) -> bool:
-    return bool((~cells.isin(["True", "False"]) & _is_text(cells)).any())
+def _has_words(cells: np.ndarray) -> bool:
+    return not {"True", "False"}.issuperset(cells[_is_text(cells, _numbers(cells))])
 
 
 def _named(table: pd.DataFrame, keys: Sequence[str]) -> dict[tuple[str, ...], int]:
     """Return the place of each row by its keys and its number among rows of the same keys."""
-    number = table.groupby([*keys]).cumcount() if keys else np.arange(len(table))
-    cells = table[list(keys)].assign(number=number + 1).astype(str)
-    return {name: i for i, name in enumerate(cells.itertuples(index=False, name=None))}
+    seen, rows = Counter[tuple[str, ...]](), {}
+    for i, name in enumerate(map(tuple, table[list(keys)].to_numpy())):
+        seen[name] += 1
+        rows[*name, str(seen[name])] = i
+    return rows
 
 
 def _labels(names: Sequence[tuple[str, ...]]) -> Callable[[tuple[str, ...]], str]:
@@ -132,16 +138,15 @@ def _words(row: pd.Series, keys: Sequence[str]) -> str:
     return ", ".join(f"{name} {cell}" for name, cell in row.drop(list(keys)).items() if cell)
 
 
-def _unequal(a: pd.Series, b: pd.Series, tolerance: Tolerance) -> Iterator[tuple[int, str]]:
+def _unequal(a: np.ndarray, b: np.ndarray, tolerance: Tolerance) -> Iterator[tuple[int, str]]:
     """Yield the places of cells that differ, and whether they are numbers or text."""
-    differ = np.flatnonzero(a.to_numpy() != b.to_numpy())
-    a, b = a.iloc[differ], b.iloc[differ]
-    text = _is_text(a).to_numpy() | _is_text(b).to_numpy()
-    pair = _numbers(b), _numbers(a)
-    near = np.isclose(*pair, rtol=tolerance.rtol, atol=tolerance.atol, equal_nan=True) & ~text
-    for i, is_text, agrees in zip(differ.tolist(), text, near, strict=True):
-        if not agrees:
-            yield i, "text" if is_text else NUMBER
+    differ = np.flatnonzero(a != b)
+    a, b = a[differ], b[differ]
+    before, after = _numbers(a), _numbers(b)
+    text = _is_text(a, before) | _is_text(b, after)
+    near = np.isclose(after, before, rtol=tolerance.rtol, atol=tolerance.atol, equal_nan=True)
+    for i in np.flatnonzero(text | ~near):
+        yield int(differ[i]), "text" if text[i] else NUMBER
 
 
 def by_file(differences: Iterable[Difference]) -> dict[str, list[Difference]]:
