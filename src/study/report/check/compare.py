@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from study.report.check.differences import (
     FEW,
     Difference,
     as_text,
-    by_file,
     compare_tables,
     summary,
 )
@@ -85,17 +84,20 @@ def compare(baseline: Path, changed: Path) -> Changes:
         require_results(root)
     stamps = [read_json(root / STAMP) for root in roots]
     before, after = (table_files(root) | _pictures(root) for root in roots)
-    topics = defaultdict[str, list[Difference]](list)
-    for name in table_files(baseline):
-        if name in after:
-            for difference in compare_tables(
-                name, read_cells(before[name]), read_cells(after[name])
-            ):
+    topics, figures = defaultdict[str, list[Difference]](list), dict[str, list[Difference]]()
+    for name in before:
+        if name not in after:
+            continue
+        if name.endswith(".svg"):
+            if before[name].read_bytes() != after[name].read_bytes():
+                figures.setdefault(Path(name).stem, [])
+            continue
+        differences = compare_tables(name, read_cells(before[name]), read_cells(after[name]))
+        if name.startswith("figures/") and differences:
+            figures[Path(name).stem] = differences
+        else:
+            for difference in differences:
                 topics[_topic(difference)].append(difference)
-    numbers, parts = topics["numbers"], by_file(topics["figures"])
-    drawn = [name for name in _pictures(baseline) if name in after]
-    drawn = [n for n in drawn if before[n].read_bytes() != after[n].read_bytes()]
-    figures = dict.fromkeys([Path(name).stem for name in (*parts, *drawn)])
     settings = [stamp.get("config", {}) for stamp in stamps]
     keys = [
         _line(change.key, change.shipped, change.used) for change in configured(*settings[::-1])
@@ -103,10 +105,10 @@ def compare(baseline: Path, changed: Path) -> Changes:
     pairs = (baseline, before, after), (changed, after, before)
     return Changes(
         runs=_lines(*map(_origin, stamps)),
-        inputs=[*keys, *topics["inputs"], *_lines(*(stamp.get("files", {}) for stamp in stamps))],
-        verdicts=[_with_numbers(verdict, numbers) for verdict in topics["verdicts"]],
-        numbers=numbers,
-        figures={name: parts.get(f"figures/{name}.csv", []) for name in figures},
+        inputs=[*keys, *_lines(*(stamp.get("files", {}) for stamp in stamps)), *topics["inputs"]],
+        verdicts=[_with_numbers(verdict, topics["numbers"]) for verdict in topics["verdicts"]],
+        numbers=topics["numbers"],
+        figures=figures,
         not_built={
             root: lacking
             for root, here, there in pairs
@@ -120,8 +122,6 @@ def _pictures(root: Path) -> dict[str, Path]:
 
 
 def _topic(difference: Difference) -> str:
-    if difference.file.startswith("figures/"):
-        return "figures"
     if difference.file == INPUTS:
         # The stamp tells the values of the configuration, each once, however often it is used.
         return "uses" if difference.row.startswith("config, ") else "inputs"
@@ -139,8 +139,7 @@ def _with_numbers(verdict: Difference, numbers: Sequence[Difference]) -> Differe
         return verdict
     before = "; ".join(f"{name} = {number.reference}" for name, number in moved)
     after = "; ".join(f"{name} = {number.result}" for name, number in moved)
-    return replace(
-        verdict,
+    return verdict._replace(
         reference=f"{verdict.reference} ({before})",
         result=f"{verdict.result} ({after})",
     )
@@ -164,9 +163,7 @@ def _line(row: str, *values: object) -> Difference:
         value if isinstance(value, str) else "" if value is None else json.dumps(value)
         for value in values
     )
-    return Difference(
-        file=STAMP, kind="text", row=row, column="value", reference=reference, result=result
-    )
+    return Difference(STAMP, "text", row, "value", reference, result)
 
 
 def _parts(figure: Sequence[Difference]) -> str:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from fnmatch import fnmatchcase
 from itertools import groupby
+from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from study.declared.parameters import NonNegative
+from study.declared.parameters import Name, NonNegative
 from study.report.check.results import KEYS
 
 # Differences of a kind that are shown of a file, and characters of a cell.
@@ -21,14 +23,27 @@ NUMBER = "number"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tolerance:
-    """Numbers agree if ``|result - reference| <= atol + rtol |reference|``."""
+    """How closely numbers agree in some columns of some tables (patterns with ``*``), and why.
 
+    They agree if ``|result - reference| <= atol + rtol |reference|``.
+    """
+
+    file: Name
+    column: Name
+    reason: Name
     rtol: NonNegative = 1e-8
     atol: NonNegative = 0.0
 
+    def fits(self, file: str, column: str) -> bool:
+        """Return whether it is of a column of a table."""
+        return fnmatchcase(file, self.file) and fnmatchcase(column, self.column)
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Difference:
+
+# Where no other is declared.
+ROUNDING = Tolerance(file="*", column="*", reason="sums round otherwise on another machine")
+
+
+class Difference(NamedTuple):
     """One difference: its file, kind and place, and the cells of the reference and the result.
 
     Its kind is ``number`` or ``text``, or says what is missing or extra: a file, column or row.
@@ -43,10 +58,7 @@ class Difference:
 
 
 def compare_tables(
-    file: str,
-    reference: pd.DataFrame,
-    result: pd.DataFrame,
-    tolerance: Callable[[str], Tolerance] = lambda _: Tolerance(),
+    file: str, reference: pd.DataFrame, result: pd.DataFrame, tolerances: Sequence[Tolerance] = ()
 ) -> list[Difference]:
     """Return all differences of two tables.
 
@@ -59,40 +71,38 @@ def compare_tables(
         are keys.
     reference, result
         Tables of text, shapes (n, m) and (k, l).
-    tolerance
-        Tolerance of a column by its name.
+    tolerances
+        Of several for one column the first counts.
     """
-    tables = reference, result
-    common = [str(column) for column in reference if column in result]
+    columns = [str(name) for name in reference if name in result]
     declared = next((names for start, names in KEYS.items() if file.startswith(start)), ())
-    keys = [name for name in declared if name in common]
-    keys = keys or [
-        name for name in common if any(_has_words(table[name].to_numpy()) for table in tables)
+    keys = [name for name in columns if name in declared] or [
+        name
+        for name in columns
+        if any(_has_words(table[name].to_numpy()) for table in (reference, result))
     ]
-    before, after = (_named(table, keys) for table in tables)
-    label = _labels([*before, *after])
-    at, words = partial(Difference, file=file), partial(_words, keys=keys)
+    telling = [name for name in keys if len({*reference[name], *result[name]}) > 1]
+    before, after = (table.set_axis(_labels(table, telling)) for table in (reference, result))
     differences = []
-    for kind, side, here, there in (
-        ("missing", "reference", before, after),
-        ("extra", "result", after, before),
-    ):
-        table, counterpart = tables if kind == "missing" else tables[::-1]
+    for kind, here, there in (("missing", before, after), ("extra", after, before)):
+        side = "reference" if kind == "missing" else "result"
         differences += [
-            at(kind=f"{kind} column", column=str(c)) for c in table if c not in counterpart
+            Difference(file, f"{kind} column", column=str(name))
+            for name in here.columns.difference(there.columns, sort=False)
         ]
         differences += [
-            at(kind=f"{kind} row", row=label(name), **{side: words(table.iloc[i])})
-            for name, i in here.items()
-            if name not in there
+            Difference(file, f"{kind} row", label, **{side: _words(here.loc[label], keys)})
+            for label in here.index.difference(there.index, sort=False)
         ]
-    names = [name for name in before if name in after]
-    places = [[rows[name] for name in names] for rows in (before, after)]
-    for column in common:
-        a, b = (t[column].to_numpy()[p] for t, p in zip(tables, places, strict=True))
-        for i, kind in _unequal(a, b, tolerance(column)):
-            cells = {"reference": a[i], "result": b[i]}
-            differences.append(at(kind=kind, row=label(names[i]), column=column, **cells))
+    both = before.index.intersection(after.index, sort=False)
+    before, after = before.loc[both], after.loc[both]
+    for name in columns:
+        tolerance = next((each for each in tolerances if each.fits(file, name)), ROUNDING)
+        a, b = before[name].to_numpy(), after[name].to_numpy()
+        differences += [
+            Difference(file, kind, both[i], name, a[i], b[i])
+            for i, kind in _unequal(a, b, tolerance)
+        ]
     return differences
 
 
@@ -110,28 +120,15 @@ def _has_words(cells: np.ndarray) -> bool:
     return not {"True", "False"}.issuperset(cells[_is_text(cells, _numbers(cells))])
 
 
-def _named(table: pd.DataFrame, keys: Sequence[str]) -> dict[tuple[str, ...], int]:
-    """Return the place of each row by its keys and its number among rows of the same keys."""
-    seen, rows = Counter[tuple[str, ...]](), {}
-    for i, name in enumerate(map(tuple, table[list(keys)].to_numpy())):
-        seen[name] += 1
-        rows[*name, str(seen[name])] = i
-    return rows
-
-
-def _labels(names: Sequence[tuple[str, ...]]) -> Callable[[tuple[str, ...]], str]:
-    """Return the function that labels a row by the keys in which rows differ."""
-    columns = list(zip(*names, strict=True))[:-1]
-    telling = [i for i, column in enumerate(columns) if len({*column}) > 1]
-    repeated = {name[:-1] for name in names if name[-1] != "1"}
-
-    def label(name: tuple[str, ...]) -> str:
-        words = ", ".join(name[i] for i in telling)
-        if not words:
-            return f"row {name[-1]}"
-        return f"{words} #{name[-1]}" if name[:-1] in repeated else words
-
-    return label
+def _labels(table: pd.DataFrame, keys: Sequence[str]) -> list[str]:
+    """Return the name of each row: its keys, and its number if it is not the first of these."""
+    seen, labels = Counter[str](), list[str]()
+    for cells in table[[*keys]].itertuples(index=False):
+        words = ", ".join(cells)
+        seen[words] += 1
+        number = f"#{seen[words]}" if keys else f"row {seen[words]}"
+        labels.append(f"{words} {number}".strip() if seen[words] > 1 or not keys else words)
+    return labels
 
 
 def _words(row: pd.Series, keys: Sequence[str]) -> str:
@@ -147,14 +144,6 @@ def _unequal(a: np.ndarray, b: np.ndarray, tolerance: Tolerance) -> Iterator[tup
     near = np.isclose(after, before, rtol=tolerance.rtol, atol=tolerance.atol, equal_nan=True)
     for i in np.flatnonzero(text | ~near):
         yield int(differ[i]), "text" if text[i] else NUMBER
-
-
-def by_file(differences: Iterable[Difference]) -> dict[str, list[Difference]]:
-    """Return the differences by file, in the order in which the files first occur."""
-    files: dict[str, list[Difference]] = {}
-    for difference in differences:
-        files.setdefault(difference.file, []).append(difference)
-    return files
 
 
 def relative(difference: Difference) -> float:
@@ -178,10 +167,13 @@ def summary(differences: Sequence[Difference]) -> str:
 def as_text(differences: Iterable[Difference], few: int = FEW) -> str:
     """Return the differences as Markdown: a heading per file, and a line for each of the worst."""
     sections = []
-    for file, members in by_file(differences).items():
-        shown = []
-        for _, group in groupby(sorted(members, key=lambda d: d.kind), lambda d: d.kind):
-            shown += sorted(group, key=relative, reverse=True)[:few]
+    for file, group in groupby(differences, attrgetter("file")):
+        members = sorted(group, key=attrgetter("kind"))
+        shown = [
+            each
+            for _, of_kind in groupby(members, attrgetter("kind"))
+            for each in sorted(of_kind, key=relative, reverse=True)[:few]
+        ]
         lines = [f"- {_line(d)}" for d in shown if not d.kind.endswith("file")]
         if len(members) > len(shown):
             lines.append(f"- and {len(members) - len(shown)} more")

@@ -57,18 +57,15 @@ def table_files(root: Path) -> dict[str, Path]:
     tables = {
         f"{folder}/{path.name.removesuffix('.gz')}": path
         for folder in TABLE_FOLDERS
-        for pattern in ("*.csv", "*.csv.gz")
-        for path in sorted((root / folder).glob(pattern))
-        if not path.name.startswith(".")
+        for path in sorted((root / folder).glob("[!.]*.csv*"))
+        if path.suffix in {".csv", ".gz"}
     }
-    order = sorted(tables, key=lambda name: (name != INPUTS, not name.startswith("tables/"), name))
-    return {name: tables[name] for name in order}
+    return {name: tables[name] for name in sorted(tables, key=INPUTS.__ne__)}
 
 
 def figure_files(root: Path) -> dict[str, Path]:
     """Return the SVG files of all figures below a root by the figure's name."""
-    paths = sorted((root / "figures").glob("*.svg"))
-    return {path.stem: path for path in paths if not path.name.startswith(".")}
+    return {path.stem: path for path in sorted((root / "figures").glob("[!.]*.svg"))}
 
 
 def read_cells(path: Path) -> pd.DataFrame:

@@ -7,14 +7,12 @@ CSV, and ``tolerances.yaml``. Nothing is thinned: every number is compared.
 from __future__ import annotations
 
 import gzip
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 from microimpact.core.files import write_file
 from study.declared.documents import load
-from study.declared.parameters import Name
 from study.report.check.differences import Difference, Tolerance, compare_tables
 from study.report.check.results import (
     INPUTS,
@@ -35,26 +33,10 @@ PLAIN_BYTES = 100_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ColumnTolerance(Tolerance):
-    """A wider tolerance of some columns of some tables (patterns with ``*``), and why."""
-
-    file: Name
-    column: Name
-    reason: Name
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Tolerances:
-    """All tolerances; of several for one column the first counts."""
+    """The tolerances of a folder of references."""
 
-    columns: tuple[ColumnTolerance, ...] = ()
-
-    def of(self, file: str) -> Callable[[str], Tolerance]:
-        """Return the tolerance of each column of a table, by the column's name."""
-        rules = [rule for rule in self.columns if fnmatchcase(file, rule.file)]
-        return lambda column: next(
-            (rule for rule in rules if fnmatchcase(column, rule.column)), Tolerance()
-        )
+    columns: tuple[Tolerance, ...] = ()
 
 
 def verify(results: Path, reference: Path) -> list[Difference]:
@@ -67,21 +49,20 @@ def verify(results: Path, reference: Path) -> list[Difference]:
     if not reference.is_dir():
         raise ResultsError(f"{reference}: no such folder")
     path = reference / FILE
-    tolerances = built(Tolerances, load(path), str(path)) if path.exists() else Tolerances()
+    rules = built(Tolerances, load(path), str(path)).columns if path.exists() else ()
     before, after = table_files(reference), table_files(results)
     differences = [
-        *(Difference(file=name, kind="missing file") for name in before if name not in after),
-        *(Difference(file=name, kind="extra file") for name in after if name not in before),
+        *(Difference(name, "missing file") for name in before if name not in after),
+        *(Difference(name, "extra file") for name in after if name not in before),
     ]
-    seen: set[tuple[str, str]] = set()
+    unused = {*rules}
     for name in before:
         table = read_cells(before[name])
-        seen |= {(name, str(column)) for column in table}
+        unused -= {rule for rule in unused if any(rule.fits(name, str(column)) for column in table)}
         if name in after:
-            differences += compare_tables(name, table, read_cells(after[name]), tolerances.of(name))
-    for rule in tolerances.columns:  # one that fits nothing has outlived its reason
-        if not any(fnmatchcase(n, rule.file) and fnmatchcase(c, rule.column) for n, c in seen):
-            raise ResultsError(f"{path}: no table has a column {rule.column!r} in {rule.file!r}")
+            differences += compare_tables(name, table, read_cells(after[name]), rules)
+    for rule in unused:  # one that fits nothing has outlived its reason
+        raise ResultsError(f"{path}: no table has a column {rule.column!r} in {rule.file!r}")
     return differences
 
 
@@ -91,8 +72,11 @@ def require_same_settings(differences: Sequence[Difference]) -> None:
     A few changed inputs are differences to report; a full run beside the references of a small one
     differs everywhere. Raises ResultsError, naming one of the inputs that differ and their number.
     """
-    changed = [d for d in differences if (d.file, d.column) == (INPUTS, "value")]
-    changed = [d for d in changed if d.row.startswith("config, ")]
+    changed = [
+        each
+        for each in differences
+        if (each.file, each.column) == (INPUTS, "value") and each.row.startswith("config, ")
+    ]
     if len(changed) > FEW_CHANGES:
         first = changed[0]
         raise ResultsError(
