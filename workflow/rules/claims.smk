@@ -1,7 +1,7 @@
 """The ledgers of claims and equations, with their numbers and verdicts."""
 
 
-use rule analysis as claim_numbers with:
+rule claim_numbers:
     """tables/claim_numbers.csv: the numbers that decide the claims."""
     input:
         # Each claim names those it takes.
@@ -10,24 +10,32 @@ use rule analysis as claim_numbers with:
         ),
     output:
         **tables("claim_numbers"),
-    pathvars:
-        analysis="claim_numbers",
+    log:
+        "<results>/logs/claim_numbers.log",
+    benchmark:
+        "<results>/benchmarks/claim_numbers.tsv"
     params:
         **parameters("claim_numbers"),
         function="numbers",
+    script:
+        "../scripts/run_analysis.py"
 
 
-use rule analysis as claim_draws with:
+rule claim_draws:
     """tables/claim_draws.csv: numbers of claims for every contact that the printed statements admit."""
     input:
         **tables(*analyses.needs("claim_numbers", *analyses.analysis("claim_numbers").DRAWS_NEED)),
     output:
         **tables("claim_draws"),
-    pathvars:
-        analysis="claim_draws",
+    log:
+        "<results>/logs/claim_draws.log",
+    benchmark:
+        "<results>/benchmarks/claim_draws.tsv"
     params:
         **parameters("claim_numbers"),
         function="drawn",
+    script:
+        "../scripts/run_analysis.py"
 
 
 rule claims:
