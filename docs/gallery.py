@@ -11,7 +11,7 @@ from PIL import Image
 
 from study.figures.style import context
 from study.judge.counts import verdicts
-from study.report.site.ledgers import read_rows
+from study.tables import text_rows
 
 DOCS = Path(__file__).parent
 WIDTH = 900
@@ -44,7 +44,7 @@ def shrink(source: Path, target: Path) -> None:
 
 def draw_outcomes(results: Path, target: Path) -> None:
     """Draw the verdicts of a run as one bar."""
-    given = verdicts(row["verdict"] for row in read_rows(results / "tables/claims.csv"))
+    given = verdicts(row["verdict"] for row in text_rows(results / "tables/claims.csv"))
     number = {name: sum(given.pop(v, 0) for v in of) for name, of in OUTCOMES.items()}
     if given:
         raise ValueError(f"{results}: no outcome has the verdicts {sorted(given)}")

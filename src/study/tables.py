@@ -234,6 +234,14 @@ def read_figure_data(path: Path | str) -> pd.DataFrame:
     return table
 
 
+def text_rows(path: Path | str) -> list[dict[str, str]]:
+    """Return the rows of a table as text, every cell as in the file; none if there is no file."""
+    if not Path(path).is_file():
+        return []
+    with Path(path).open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
 def parse_table(text: str) -> pd.DataFrame:
     """Return the table that a CSV text holds, read as `read_table` does."""
     import pandas as pd

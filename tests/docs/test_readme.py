@@ -11,11 +11,11 @@ import pytest
 from PIL import Image
 from tests.docs.blocks import PAGES, ROOT
 
-from study.report.site.ledgers import read_rows
+from study.tables import text_rows
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 TABLES = ROOT / "tests/reference/full/tables"
-CLAIMS = {row["id"]: row for row in read_rows(TABLES / "claims.csv")}
+CLAIMS = {row["id"]: row for row in text_rows(TABLES / "claims.csv")}
 RESULTS = pd.read_csv(TABLES / "claim_results.csv")
 FINDINGS = re.findall(r"^\| (C\d+) \| (.+) \| (.+) \|$", README, flags=re.MULTILINE)
 GALLERY = runpy.run_path(str(ROOT / "docs/gallery.py"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections import Counter
 from collections.abc import Mapping
@@ -26,7 +25,7 @@ from study.judge.judging import (
 )
 from study.judge.shares import GROUPS, Share, shares
 from study.judge.words import bounds, computed_values, outcome
-from study.tables import NOT_COMPUTED, NotComputedError, Row
+from study.tables import NOT_COMPUTED, NotComputedError, Row, text_rows
 
 # Loaded where a ledger is judged: the pages, which read it as text, do without.
 if TYPE_CHECKING:
@@ -104,10 +103,9 @@ def judge(
     }
 
 
-def amendments() -> list[Row]:
+def amendments() -> list[dict[str, str]]:
     """Return the changes of claims after their first judgement: rows of the declared file."""
-    with declared_file("amendments.csv").open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    return text_rows(declared_file("amendments.csv"))
 
 
 def verdicts(

@@ -19,10 +19,10 @@ from study.judge import amendments, counts
 from study.judge.criteria import declared_claims
 from study.judge.words import agreement, readable, with_unit
 from study.report.site.figures import label
-from study.report.site.ledgers import by_claim, read_rows
+from study.report.site.ledgers import by_claim
 from study.report.site.pages import render
 from study.report.site.record import read_record
-from study.tables import ResultTables, TableError
+from study.tables import ResultTables, TableError, text_rows
 
 DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
 # Tables of the page of deviations and of the counts in the README.
@@ -70,7 +70,7 @@ def pages(results: Path, docs: Path) -> tuple[dict[str, str], tuple[str, ...]]:
     """
     table = ResultTables(results)
     environment = _ENVIRONMENT.overlay()
-    ledgers = {name: read_rows(results / f"tables/{name}.csv") for name in ("claims", "equations")}
+    ledgers = {name: text_rows(results / f"tables/{name}.csv") for name in ("claims", "equations")}
     environment.globals = {
         **_ENVIRONMENT.globals,
         **ledgers,
@@ -134,7 +134,7 @@ def deviations(results: Path) -> str:
         If the table and the file do not hold the same claims.
     """
     claims, equations, facts = (
-        read_rows(results / f"tables/{name}.csv")
+        text_rows(results / f"tables/{name}.csv")
         for name in ("claims", "equations", "claim_evidence")
     )
     declared = declared_claims()

@@ -12,10 +12,10 @@ from study.declared.documents import load
 from study.declared.references import merged
 from study.figures.declaration import all_figures
 from study.judge.changed import OF_ANOTHER, with_inputs
-from study.report.site.ledgers import read_rows
 from study.run.changed import changed_inputs
 from study.run.config import validate
 from study.run.study import settings_as_shipped, shipped_configuration
+from study.tables import text_rows
 
 # Rules that are run again after any analysis.
 AFTER = ("claim_draws", "claims", "report")
@@ -54,7 +54,7 @@ def plan(overlays: Sequence[Path], results: Path) -> str:
     if not (results / "tables/claims.csv").is_file():
         return "\n".join([*lines, f"Claims and seconds are known after a run: none in {results}."])
     verdicts = defaultdict[str, list[str]](list)
-    for row in read_rows(results / "tables/claims.csv"):
+    for row in text_rows(results / "tables/claims.csv"):
         after = with_inputs(row, changed)
         if after["changed_inputs"]:
             is_lost = after["verdict"] == OF_ANOTHER != row["verdict"]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from study.judge.counts import verdicts
-from study.tables import NOT_COMPUTED
+from study.tables import NOT_COMPUTED, text_rows
 
 # Files that are named; of more only their number is told.
 FEW = 6
@@ -54,8 +53,4 @@ def summary(results: Path, made: Sequence[str] = ()) -> str:
 
 def _cells(table: Path, *columns: str) -> Iterator[str]:
     """Yield the cells in some columns that are not empty, none if there is no such table."""
-    if table.is_file():
-        with table.open(encoding="utf-8", newline="") as file:
-            rows = csv.DictReader(file)
-            if names := {*columns} & {*(rows.fieldnames or ())}:
-                yield from (row[name] for row in rows for name in names if row[name])
+    yield from (row[name] for row in text_rows(table) for name in columns if row.get(name))

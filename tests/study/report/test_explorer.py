@@ -23,9 +23,8 @@ from microimpact.model.dynamics.normal import normal_impact
 from study.contacts import calibrated_contact
 from study.report.explorer.build import MATERIAL, page_files
 from study.report.site.figures import explored
-from study.report.site.ledgers import read_rows
 from study.report.site.pages import ASSETS
-from study.tables import parse_table, read_table
+from study.tables import parse_table, read_table, text_rows
 
 pytestmark = pytest.mark.slow
 
@@ -364,7 +363,7 @@ def test_a_link_restores_the_state(browser, page):
 
 
 def test_a_figure_opens_it_with_its_impact(browser, page, inputs, results):
-    declared = read_rows(results / "tables/inputs.csv")
+    declared = text_rows(results / "tables/inputs.csv")
     visit(browser, f"{page.as_uri()}#{explored('fig20_force_history', declared)}")
     case = "fluorescein-molybdenum, nominal"
     assert browser.find_element("id", "contact").get_attribute("value") == case

@@ -28,9 +28,9 @@ from study.report.site.figures import (
 )
 from study.report.site.formula import prose
 from study.report.site.glossary import definitions
-from study.report.site.ledgers import read_rows
 from study.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
 from study.report.site.record import Record
+from study.tables import text_rows
 
 REPORT = "report"
 # What is copied into the report, so that it can be moved and sent alone.
@@ -150,7 +150,7 @@ def code_copy(function: str) -> str:
 def site_pages(results: Path, record: Record) -> dict[str, str]:
     """Return the text of each page by its place in the report."""
     claims, equations, errata, declared = (
-        read_rows(results / f"tables/{name}.csv")
+        text_rows(results / f"tables/{name}.csv")
         for name in ("claims", "equations", "errata", "inputs")
     )
     shown = figures(results, record, {"claims": claims, "equations": equations}, declared)
@@ -168,12 +168,12 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
             row["id"]: departures(declared, studies_behind(row, record)) for row in claims
         },
         "equations": equations,
-        "beside": {name: read_rows(results / f"tables/{name}.csv") for name in BESIDE},
+        "beside": {name: text_rows(results / f"tables/{name}.csv") for name in BESIDE},
         "errata": errata,
-        "revised": revisions(read_rows(results / "tables/claim_amendments.csv")),
+        "revised": revisions(text_rows(results / "tables/claim_amendments.csv")),
         "claim_counts": ledgers.tally(claims, ledgers.CLAIM_VERDICTS),
         **{
-            name: ledgers.by_claim(read_rows(results / f"tables/claim_{table}.csv"))
+            name: ledgers.by_claim(text_rows(results / f"tables/claim_{table}.csv"))
             for name, table in PARTS_OF_CLAIMS.items()
         },
         "words": words,

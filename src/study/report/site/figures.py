@@ -11,10 +11,10 @@ from urllib.parse import urlencode
 
 from study import analyses
 from study.figures.declaration import FORMATS, all_figures
-from study.report.site.ledgers import Row, read_rows
+from study.report.site.ledgers import Row
 from study.report.site.record import Record
 from study.run.study import settings_as_shipped
-from study.tables import ResultTables
+from study.tables import ResultTables, text_rows
 
 ARTICLE = re.compile(r"fig(\d\d)")
 ACRONYMS = {"ptis", "pdpa"}
@@ -195,12 +195,12 @@ def shows_article(name: str, entry: Mapping[str, Any]) -> bool:
 
 def finding(content: Path) -> str:
     """Return the finding that a figure was drawn with, from the table of its content."""
-    return next((row["text"] for row in read_rows(content) if row["artist"] == "finding"), "")
+    return next((row["text"] for row in text_rows(content) if row["artist"] == "finding"), "")
 
 
 def _evidence(paths: Iterable[Path]) -> tuple[str, ...]:
     """Return the evidence classes of figure data, in their order."""
-    rows = (row for path in paths for row in read_rows(path))
+    rows = (row for path in paths for row in text_rows(path))
     # A table that could not be computed has no evidence.
     return tuple(dict.fromkeys(row["evidence"] for row in rows if "evidence" in row))
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from functools import cache
-from pathlib import Path
 
 from markupsafe import Markup
 
@@ -40,14 +38,6 @@ EQUATION_VERDICTS = {
 CONTRADICTION = "contradiction"
 # Standard errors beyond which their number says no more.
 FAR = 100.0
-
-
-def read_rows(path: Path) -> list[Row]:
-    """Return the rows of a table as text; none if there is no such file."""
-    if not path.is_file():
-        return []
-    with path.open(encoding="utf-8", newline="") as stream:
-        return list(csv.DictReader(stream))
 
 
 def tally(rows: Sequence[Row], order: Mapping[str, str]) -> dict[str, int]:
