@@ -34,7 +34,8 @@ def content(figure: Figure, words: Words) -> pd.DataFrame:
     Parameters
     ----------
     figure
-        The figure as it was saved, its layout made.
+        The figure as it was saved, its layout made. It is drawn again, at a point a pixel: what a
+        table says does not depend on the formats in which the figure was saved.
     words
         What is said of it, filled in.
 
@@ -55,6 +56,8 @@ def content(figure: Figure, words: Words) -> pd.DataFrame:
         for container in ax.containers
         for child in container.get_children()
     }
+    figure.dpi = POINTS_PER_INCH
+    figure.draw(_Recorder())
     for parent in (*figure.axes, *figure.legends, *figure.texts):
         for artist in _leaves(parent):
             recorder = _Recorder()
@@ -68,7 +71,7 @@ def content(figure: Figure, words: Words) -> pd.DataFrame:
                         "artist": type(artist).__name__,
                         "text": "; ".join(recorder.words) or label,
                         "look": "; ".join((*_mark(artist), *recorder.counted())),
-                        **recorder.extent(POINTS_PER_INCH / figure.dpi),
+                        **recorder.extent(),
                     }
                 )
     return pd.DataFrame(rows, columns=["panel", "artist", "text", "look", *EXTENT])
@@ -99,10 +102,10 @@ class _Recorder(RendererBase):
         """Return each look with its number of points."""
         return [f"{look}: {number}" for look, number in self.looks.items()]
 
-    def extent(self, scale: float) -> dict[str, float]:
-        """Return the ends of all that was drawn, pixels times a scale, to a tenth."""
+    def extent(self) -> dict[str, float]:
+        """Return the ends of all that was drawn, to a tenth."""
         low, high = np.min(self.corners, axis=0), np.max(self.corners, axis=0)
-        ends = np.round(scale * np.array([low, high]).T.ravel(), 1) + 0.0
+        ends = np.round(np.array([low, high]).T.ravel(), 1) + 0.0
         return dict(zip(EXTENT, ends.tolist(), strict=True))
 
     def draw_path(self, gc: Any, path: Any, transform: Any, rgbFace: Any = None) -> None:

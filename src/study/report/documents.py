@@ -100,7 +100,7 @@ def pages(results: Path, docs: Path) -> tuple[dict[str, str], tuple[str, ...]]:
 def codecheck(figures: Iterable[str]) -> str:
     """Return the outputs that a person who repeats the run compares (CODECHECK, version 1)."""
     manifest = [
-        {"file": f"results/figures/{name}.pdf", "comment": label(name)} for name in sorted(figures)
+        {"file": f"results/figures/{name}.svg", "comment": label(name)} for name in sorted(figures)
     ]
     manifest.append({"file": "results/tables/claims.csv", "comment": "Verdicts on the article"})
     about = {

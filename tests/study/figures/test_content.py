@@ -99,3 +99,13 @@ def test_an_svg_says_what_it_shows(tmp_path):
         style.save(drawn(SPECS["fig14"]), path, title="e < 1", description="R & rho.")
     text = path.read_text(encoding="utf-8")
     assert "<title>e &lt; 1</title>\n <desc>R &amp; rho.</desc>" in text
+
+
+@pytest.mark.parametrize("formats", [("png",), ("pdf", "png"), ("png", "svg")])
+def test_what_a_table_shows_does_not_depend_on_formats(formats, tmp_path):
+    tables = []
+    for kinds in (("svg",), formats):
+        figure = drawn(SPECS["fig01"])
+        style.save(figure, *(tmp_path / f"fig01.{kind}" for kind in kinds))
+        tables.append(content(figure, SPECS["fig01"]))
+    assert tables[0].equals(tables[1])

@@ -98,7 +98,7 @@ def larger_keep_theirs(y: Curves) -> Stated:
 )
 def draw_fig04(sheet: Sheet) -> None:
     """Restitution against the normal speed."""
-    (ax,) = sheet.panels(xlim=(0.0, 2.1), ylim=(0.0, 0.9), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
+    (ax,) = sheet.panels(xlim=(0.0, 2.1), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
     ax.set_xticks((0.0, 0.5, 1.0, 1.5, 2.0))
     sheet.piled_up(ax)
     sheet.draw(ax, NAMED, fixed=True)
