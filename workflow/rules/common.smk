@@ -81,7 +81,8 @@ except (ImportError, SyntaxError) as error:
 
 FIGURES, DIGITISED = INPUTS.figures, INPUTS.digitised
 # Of the pictures of a figure, beside its SVG.
-FORMATS = sorted({*SETTINGS.general.figures.formats} - {"svg"}, reverse=True)
+DRAWN = SETTINGS.general.figures
+FORMATS = sorted({*DRAWN.formats} - {"svg"}, reverse=True)
 
 
 def tables(*names):

@@ -37,6 +37,8 @@ for analysis, drawn in FIGURES_OF.items():
             entries=Digested({figure: FIGURES[figure].entry() for figure in drawn}),
             branch=Digested(SETTINGS.branches[analysis]),
             pairs=Digested(SETTINGS.pairs_of(analysis)),
+            scale=DRAWN.scale,
+            palette=DRAWN.palette,
         script:
             "../scripts/draw_figures.py"
 

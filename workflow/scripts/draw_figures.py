@@ -18,24 +18,26 @@ def main(job: Any) -> str:
     """Draw the figures and return a line on what was drawn.
 
     The rule gives the words of each figure as ``params.entries``, the parameters of the analysis as
-    ``params.branch`` and the materials of its cases as ``params.pairs``, the tables as named inputs
-    and so the files of digitised points, as ``fig17_digitised``, if there are any; the outputs of
-    each bear its name.
+    ``params.branch`` and the materials of its cases as ``params.pairs``, ``params.scale`` of sizes
+    and ``params.palette``, the tables as named inputs and so the files of digitised points, as
+    ``fig17_digitised``, if there are any; the outputs of each bear its name.
     """
     account = []
-    for name, entry in job.params.entries.items():
-        import_module(entry["drawing"].rpartition(".")[0])
-        figure = FIGURES[name].with_texts(entry)
-        try:
-            sheet, words = drawn(figure, job)
-            figure, picture = sheet.declared, sheet.figure
-        except NotComputedError as why:
-            words = f"{NOT_COMPUTED}: {why}"
-            figure, picture = replace(figure, finding=""), without_data(figure, words)
-        *pictures, table = (path for path in map(Path, job.output) if path.stem == name)
-        save(picture, *pictures, title=figure.title, description=figure.description)
-        write_table(content(picture, figure), table)
-        account.append(f"{name}: {words}\n")
+    with context(job.params.palette):
+        for name, entry in job.params.entries.items():
+            import_module(entry["drawing"].rpartition(".")[0])
+            figure = FIGURES[name].with_texts(entry)
+            try:
+                sheet, words = drawn(figure, job)
+                figure, picture = sheet.declared, sheet.figure
+            except NotComputedError as why:
+                words = f"{NOT_COMPUTED}: {why}"
+                figure, picture = replace(figure, finding=""), without_data(figure, words)
+            picture.set_size_inches(job.params.scale * picture.get_size_inches())
+            *pictures, table = (path for path in map(Path, job.output) if path.stem == name)
+            save(picture, *pictures, title=figure.title, description=figure.description)
+            write_table(content(picture, figure), table)
+            account.append(f"{name}: {words}\n")
     return "".join(account)
 
 
@@ -50,9 +52,8 @@ def drawn(figure: Figure, job: Any) -> tuple[Sheet, str]:
         tables = overlaid(tables, figure, path)
         origin = f", points of {path}"
     figure = figure.checked(tables)
-    with context():
-        sheet = Sheet(figure, tables, job.params.branch, job.params.pairs)
-        figure.draw(sheet)
+    sheet = Sheet(figure, tables, job.params.branch, job.params.pairs)
+    figure.draw(sheet)
     return sheet, f"drawn from {', '.join(tables)}{origin}"
 
 

@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
-from study.figures import style
 from study.figures.declaration import Figure as Words
 
 POINTS_PER_INCH = 72.0
@@ -27,9 +26,8 @@ AUTOMATIC = ("_child", "_container", "_nolegend_")
 EXTENT = ("x_low", "x_high", "y_low", "y_high")
 
 
-@style.context()  # colours by number and ticks are of the style in which they are asked for
 def content(figure: Figure, words: Words) -> pd.DataFrame:
-    """Return the content of a figure: its words, then all that is drawn.
+    """Return the content of a figure: its words, then all that is drawn in the `style.context`.
 
     Parameters
     ----------

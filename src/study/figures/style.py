@@ -16,7 +16,8 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 import pandas as pd
-from matplotlib import rc_context
+from cycler import cycler
+from matplotlib import rc_context, rcParams
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -90,12 +91,15 @@ EVIDENCE_LABEL = {
 
 
 @contextmanager
-def context() -> Iterator[None]:
-    """Return the context (also a decorator) in which figures are drawn and saved.
+def context(palette: Sequence[str] = ()) -> Iterator[None]:
+    """Return the context in which figures are drawn, saved and measured.
 
-    It is the same whatever the user's own settings of matplotlib are.
+    It is the same whatever the user's own settings of matplotlib are. The colours of series are
+    those of a palette, if there is one: they are asked for by number until a figure is saved.
     """
     with rc_context(fname=STYLE_FILE):
+        if palette:
+            rcParams["axes.prop_cycle"] = cycler(color=palette)
         yield
 
 
@@ -104,7 +108,6 @@ def _empty(words: Words) -> Figure:
     return Figure(figsize=(WIDTH_MM[words.width] / MM_PER_INCH, words.height_mm / MM_PER_INCH))
 
 
-@context()
 def without_data(words: Words, reason: str) -> Figure:
     """Return the figure in place of one whose data could not be computed: the reason in words."""
     figure = _empty(words)
@@ -609,20 +612,19 @@ def _columns(figure: Figure, labels: Iterable[str]) -> int:
 
 
 def save(figure: Figure, *paths: Path | str, title: str = "", description: str = "") -> None:
-    """Save a figure in the format of each suffix; equal figures give equal bytes.
+    """Save a figure, in a `context`, in the format of each suffix; equal figures give equal bytes.
 
     Its title goes into each file, the description into an SVG, for those who search or cannot see
     it. Each file is written in one step; neither dates nor program versions go into it. The layout
     is made once, with the text as wide as in an SVG, so that all files agree.
     """
-    with context():
-        if engine := figure.get_layout_engine():
-            FigureCanvasSVG(figure)
-            engine.execute(figure)
-        with rc_context({"figure.constrained_layout.use": False}):
-            figure.set_layout_engine(None)
-            for path in map(Path, paths):
-                _save(figure, path, title, description)
+    if engine := figure.get_layout_engine():
+        FigureCanvasSVG(figure)
+        engine.execute(figure)
+    with rc_context({"figure.constrained_layout.use": False}):
+        figure.set_layout_engine(None)
+        for path in map(Path, paths):
+            _save(figure, path, title, description)
 
 
 def _save(figure: Figure, path: Path, title: str, description: str) -> None:

@@ -9,14 +9,15 @@ those of the files that it names after them.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, make_dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, get_args, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import AfterValidator, ValidationError
 
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
@@ -26,7 +27,7 @@ from microimpact.model.plausibility import doubt_of_input
 from microimpact.statistics.distributions import SampleFile, TruncatedNormal
 from study import analyses
 from study.declared.documents import ConfigError, entries, load, located
-from study.declared.parameters import Known, Name, Seed, adapter, build, explain
+from study.declared.parameters import Known, Name, Positive, Seed, adapter, build, explain
 from study.declared.provenance import Declared, unit_of
 from study.declared.references import Resolver
 from study.declared.selection import TABLES, DeclaredTables, read_all
@@ -34,6 +35,9 @@ from study.figures.declaration import Figure, Format, all_figures
 from study.laboratory import Laboratory
 from study.run.digitised import files_of
 from study.run.stamp import changes
+
+# That one figure needs.
+COLOURS = 7
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,12 +47,25 @@ class Pathvars:
     results: Name = "results"
 
 
+def _colours(palette: tuple[str, ...]) -> tuple[str, ...]:
+    wrong = [colour for colour in palette if not re.fullmatch("#[0-9a-fA-F]{6}", colour)]
+    if wrong or 0 < len(palette) < COLOURS:
+        what = f"{wrong[0]!r}" if wrong else f"{len(palette)} of them"
+        raise ValueError(f"{what}: must be {COLOURS} colours or more, as '#0072b2'")
+    return palette
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drawn:
-    """Which figures are drawn, and in which formats; always as SVG, which the report shows."""
+    """Which figures are drawn, and how: always as SVG, too, which the report shows.
+
+    Sizes are multiplied by the scale. A palette replaces the colours of series.
+    """
 
     formats: tuple[Format, ...]
     leave_out: tuple[Name, ...] = ()
+    scale: Positive = 1.0
+    palette: Annotated[tuple[Name, ...], AfterValidator(_colours)] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib import rc_context
 
-from study.figures.style import save
+from study.figures.style import context, save
 
 E, F = 0.70, 0.15  # Section 2.4.1
 MASS = 1350 * np.pi / 6 * 4.9e-6**3  # Of the sphere of Fig. 20, kg
@@ -171,7 +171,8 @@ def test_a_captured_sphere_is_drawn_too(force_history, draw):
 
 def test_settings_of_matplotlib_of_a_user_change_no_figure(draw, tables, tmp_path):
     def drawn():
-        save(draw("fig14", tables), tmp_path / "one.svg")
+        with context():
+            save(draw("fig14", tables), tmp_path / "one.svg")
         return (tmp_path / "one.svg").read_bytes()
 
     plain = drawn()

@@ -25,7 +25,8 @@ def shown(spec, path, alter=None):
         if alter:
             alter(figure)
         style.save(figure, path)
-    return content(figure, spec).astype(object).fillna("")
+        table = content(figure, spec)
+    return table.astype(object).fillna("")
 
 
 def changes(name, path, alter=None, **changed):
@@ -105,7 +106,18 @@ def test_an_svg_says_what_it_shows(tmp_path):
 def test_what_a_table_shows_does_not_depend_on_formats(formats, tmp_path):
     tables = []
     for kinds in (("svg",), formats):
-        figure = drawn(SPECS["fig01"])
-        style.save(figure, *(tmp_path / f"fig01.{kind}" for kind in kinds))
-        tables.append(content(figure, SPECS["fig01"]))
+        with style.context():
+            figure = drawn(SPECS["fig01"])
+            style.save(figure, *(tmp_path / f"fig01.{kind}" for kind in kinds))
+            tables.append(content(figure, SPECS["fig01"]))
     assert tables[0].equals(tables[1])
+
+
+def test_a_palette_replaces_the_colours_of_series(tmp_path):
+    others = [f"#{level}{level}{level}" for level in ("11", "33", "55", "77", "99", "bb", "dd")]
+    with style.context(others):
+        figure = drawn(SPECS["fig20"])
+        style.save(figure, tmp_path / "fig20.svg")
+        looks = " ".join(content(figure, SPECS["fig20"])["look"].dropna())
+    assert others[0] in looks
+    assert not any(colour.lower() in looks for colour in style_colours()[:6])

@@ -102,5 +102,6 @@ def test_a_name_is_no_markup(drawn, tmp_path):
     assert texts[-len(names) :] == [f"digitised: {name}" for name in names]
     marks = [handle.get_marker() for handle in key.legend_handles[-len(names) :]]
     assert len(set(marks[:5])) == 5
-    style.save(figure, tmp_path / "one.svg")
+    with style.context():
+        style.save(figure, tmp_path / "one.svg")
     assert "<script" not in (tmp_path / "one.svg").read_text(encoding="utf-8")
