@@ -138,6 +138,7 @@ class DeclaredImpact(DeclaredDrop):
     mean_diameter_um: Positive
     back: DeclaredSurface
     populations: Mapping[str, Sieve]
+    normal_speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)]
     sieve: Sieve
     force_history: ForceHistory
     other_case: CaseName

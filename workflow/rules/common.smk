@@ -42,10 +42,10 @@ from study import analyses
 from study.judge.criteria import declared_claims
 from study.report import explorer, site
 from study.report.site import record as site_record
-from study.declared.documents import load
+from study.declared.documents import filled, load
 from study.figures.declaration import FORMATS as ALL_FORMATS, all_figures
 from study.declared.references import merged
-from study.run.changed import changed_inputs
+from study.run.changed import changed_inputs, of_other_impacts
 from study.run.config import FILES, read_configuration, read_inputs, validate
 from study.run import stamp
 from study.run.summary import summary
@@ -65,7 +65,7 @@ try:
     SETTINGS = validate(config, SHIPPED)
     stamp.require_own_root(config, base)
     CHANGED = changed_inputs(SETTINGS, validate(SHIPPED, SHIPPED)) if config != SHIPPED else {}
-    INPUTS = read_inputs(SETTINGS, [name for name, inputs in CHANGED.items() if inputs])
+    INPUTS = read_inputs(SETTINGS, of_other_impacts(CHANGED))
     if workflow.is_main_process:  # not in every job
         logger.info(f"Results go to {RESULTS}", extra={"results": RESULTS})
         if Path(workflow.basedir).is_relative_to(PROJECT):  # a module writes beside other results

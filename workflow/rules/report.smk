@@ -48,6 +48,12 @@ rule report:
             site_record.record_of(
                 config=config,
                 shipped=SHIPPED,
+                impact=filled(
+                    "[[case.particle]] of [[diameter_um:g]] µm on [[case.surface]] at [[speed_m_per_s:g]] m/s",
+                    SETTINGS.branches["fig18_21_oblique_impact"],
+                    "report",
+                    SETTINGS.pairs,
+                ),
                 figures={name: figure.entry() for name, figure in FIGURES.items()},
                 rows=SETTINGS.rows,
                 project=PROJECT,

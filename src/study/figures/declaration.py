@@ -136,7 +136,7 @@ class Figure:
     numbers for its ``{places}``, see `checked`. `caption` says what is drawn, `method` how it was
     computed. `disagreement` and `agreement` are with what the article says of its figure.
     `as_shipped` and `contact` (the origin of the single contacts), at the end of the method, hold
-    for the shipped inputs alone. `panels` have a title each, by the name of their data, and stand
+    for the shipped impacts alone. `panels` have a title each, by the name of their data, and stand
     in rows of `columns`, all side by side if not given; `views` show the data of another panel,
     enlarged. `evidence_labels` replace words of the key of evidence, as of what another paper
     printed.
@@ -193,8 +193,8 @@ class Figure:
         pairs
             As in `documents.filled`.
         changed
-            Whether inputs that it rests on are not as shipped: ``as_shipped`` and ``contact``
-            are then left out.
+            Whether it shows other impacts than as shipped: ``as_shipped`` and ``contact`` are then
+            left out.
 
         Raises
         ------

@@ -9,6 +9,12 @@ from study import analyses
 from study.declared.selection import IN_STUDIES, TABLES
 from study.run.config import Settings
 
+# Keys that say how finely an analysis computes, not what.
+SAMPLING = {
+    *("seed", "points", "events", "replicates", "samples", "resamples", "draws", "rounds"),
+    *("impacts", "simulated", "experiments"),
+}
+
 
 def changed_inputs(used: Settings, shipped: Settings) -> dict[str, dict[str, str]]:
     """Return the inputs of every study, and of those it needs, that differ from the shipped.
@@ -34,6 +40,15 @@ def changed_inputs(used: Settings, shipped: Settings) -> dict[str, dict[str, str
         name: {key: place for each in _resting(name) for key, place in differing[each].items()}
         for name in differing
     }
+
+
+def of_other_impacts(changed: Mapping[str, Mapping[str, str]]) -> list[str]:
+    """Return the analyses of `changed_inputs` that compute something else, not only more finely."""
+    return [
+        name
+        for name, inputs in changed.items()
+        if any(key.rpartition(".")[2] not in SAMPLING for key in inputs)
+    ]
 
 
 def _resting(name: str) -> dict[str, None]:

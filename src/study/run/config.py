@@ -399,7 +399,7 @@ def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
     Parameters
     ----------
     changed
-        Analyses that rest on inputs which are not as shipped.
+        Analyses of other impacts than the shipped ones.
 
     Raises
     ------

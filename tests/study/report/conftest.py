@@ -72,6 +72,7 @@ def record(entries):
         platform="Linux x86_64",
         packages={"numpy": "2.4.6", "snakemake": None},
         changes=(Change(key="fig17_coulomb_friction.points", shipped=360, used=36),),
+        impact="steel on silicon",
         figures=entries,
         rows={entry["analysis"]: rows for entry in entries.values()},
     )

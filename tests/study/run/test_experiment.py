@@ -10,7 +10,7 @@ from tests.shared import ROOT, settings_as_shipped, shipped
 from study.declared.documents import load
 from study.declared.references import merged
 from study.judge.changed import OF_ANOTHER, with_inputs
-from study.run.changed import changed_inputs
+from study.run.changed import changed_inputs, of_other_impacts
 from study.run.config import read_inputs, validate
 
 OVERLAY = ROOT / "config/examples/latex-on-silica.yaml"
@@ -36,6 +36,18 @@ def test_figures_of_the_articles_pairs_keep_their_words(latex, name):
         for settings, inputs in ((settings_as_shipped(), {}), latex)
     )
     assert (new.title, new.caption) == (old.title, old.caption)
+
+
+def test_only_another_impact_costs_the_words_on_the_shipped_ones():
+    finer = {"seed": 7, "fig23_monte_carlo": {"plan": {"events": 4096}}}
+    rougher = {"frictions": {"steel on silicon": 0.3}}
+    figures = [
+        read_inputs(settings, of_other_impacts(changed_inputs(settings, settings_as_shipped())))
+        .figures["fig23"]
+        .method
+        for settings in (validate(merged(shipped(), each), shipped()) for each in (finer, rougher))
+    ]
+    assert ["drawn independently" in method for method in figures] == [True, False]
 
 
 @pytest.mark.parametrize("table", ["pairing_quality", "rolling_dissipation", "force_ratios"])

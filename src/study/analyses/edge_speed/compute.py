@@ -30,7 +30,7 @@ from study.tables import Row, Tables, series_frame
 NEEDS = {"calibration": ("calibration",)}
 
 # Logarithms of c, m/s, and of A, s, between which they are sought, and their error.
-LOG_C, LOG_A, ERROR = (-55.0, 13.0), (-30.0, -18.0), {"absolute": 1e-7}
+LOG_C, LOG_A, ERROR = (-55.0, 13.0), (-30.0, -18.0), {"absolute": 1e-9}
 # Relative step of a diameter, and speeds of a curve.
 STEP, SPEEDS = 1e-2, 60
 PRINTED, ALLOWED = "as printed", "roughly constant"

@@ -52,9 +52,9 @@ def larger_keep_theirs(y: Curves) -> Stated:
 
 @figure(
     "fig04",
-    "Restitution of sieve classes, as a PDPA would measure it",
+    "Restitution at normal incidence, as a PDPA would measure it",
     """
-        Restitution against the normal impact speed for the classes [[populations]] of
+        Restitution against the normal impact speed for [[populations]] of
         [[case.particle]] on smooth [[case.surface]]. Marks: virtual experiments with 95 %
         intervals. Curves: all spheres that rebound, without the instrument. Above about 0.5 m/s
         marks and the curves of their contact agree by construction.
@@ -92,14 +92,13 @@ def larger_keep_theirs(y: Curves) -> Stated:
     contact=TWO_STAGES,
     tables={
         "normal_experiments": "Every experiment of Figs. 4 and 5, with the fates of the particles that were dropped.",
-        "size_effects": "Speeds of capture, and of the fall of restitution, of both size classes.",
+        "size_effects": "Speeds of capture, and of the fall of restitution, by size class.",
     },
     height_mm=95.0,
 )
 def draw_fig04(sheet: Sheet) -> None:
     """Restitution against the normal speed."""
     (ax,) = sheet.panels(xlim=(0.0, 2.1), ylim=(0.0, 1.0), xlabel=NORMAL_SPEED, ylabel=RESTITUTION)
-    ax.set_xticks((0.0, 0.5, 1.0, 1.5, 2.0))
     sheet.piled_up(ax)
     sheet.draw(ax, NAMED, fixed=True)
     sheet.legend(ax, "lower right")
@@ -115,7 +114,7 @@ def smaller_lose_more(y: Curves) -> Stated:
 
 @figure(
     "fig05",
-    "Energy loss of sieve classes, as a PDPA would measure it",
+    "Energy loss at normal incidence, as a PDPA would measure it",
     """
         Fraction of the kinetic energy lost, from the events of Fig. 4: [[populations]] of
         [[case.particle]] on smooth [[case.surface]]. Curves: 1 - e^2 of the mean restitution of

@@ -28,18 +28,21 @@ COEFFICIENTS = {"restitution": "", "impulse_ratio": "", "energy_loss": ""}
 SMOOTH = {"computed": "computed (solid, dotted: mean size, smooth surfaces)"}
 NO_SPIN = {"computed": "computed: mean size, no spin"}
 # Methods of Figs. 6, 7, 11 and 12, and of Figs. 8 to 10.
-IMAGED = """
+MEASURED = """
     Particles are dropped on the tilted target, imaged by a virtual light sheet and
     camera (PTIS, a form of particle tracking velocimetry), measured and averaged over
-    [[stop.events]] events. Smooth curves are of the mean size, without spread or
+    [[stop.events]] events.
+"""
+IMAGED = f"""
+    {MEASURED} Smooth curves are of the mean size, without spread or
     instrument; front and back of one contact share their curve. Black, dashed: the rigid
     body model with Coulomb friction of the same coefficient. Off-scale means are given
     at the top. There is no mark at 90°, where both tracks coincide, and none where
     fewer than [[stop.fewest_events]] events could be measured. Where marks lie on a
     smooth curve, the agreement is by construction.
 """
-SPINNING = """
-    As in Fig. 6; contact [[series.1.60 m/s.case]]. The initial spin r omega has a
+SPINNING = f"""
+    {MEASURED} Contact [[series.1.60 m/s.case]]. The initial spin r omega has a
     standard deviation of [[series.0.45 m/s.spin.sd:g]] v per axis and mean zero
     (assumed); one series has a mean spin of [[series.0.45 m/s, spun.spin.mean:g]] v
     about the tilt axis. There is no mark where fewer than [[stop.fewest_events]] events

@@ -50,12 +50,10 @@ def slopes_raise_the_mean(y: Curves) -> Stated:
         needs for the printed e = [[slope_inference.restitution:g]] at
         [[slope_inference.angle_deg:.0f]]° (table slope_inference); (a) is then calibrated at
         that angle, and (b) predicted. Only spheres that rebound from the nominal surface count.
-        Off-scale means are given at the top.
+        Off-scale means are given at the top. Standard errors of the curves are in the table
+        monte_carlo.
     """,
-    as_shipped="""
-        Diameter, speed and slope are drawn independently. Two standard errors of the curves are
-        below the width of their lines.
-    """,
+    as_shipped="Diameter, speed and slope are drawn independently.",
     contact=TWO_STAGES,
     tables={
         "monte_carlo": "Means and standard deviations of the coefficients at every angle, by the way facets are weighted.",

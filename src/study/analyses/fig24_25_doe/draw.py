@@ -126,8 +126,10 @@ def only_the_ratio_acts(y: Curves) -> Stated:
     "fig25",
     "Effects of five factors on the capture velocity, uniform levels",
     """
-        As Fig. 24, with levels equally far, in proportion, to either side of the nominal value
-        of every factor. The effects of work of adhesion (B) and radius (C) differ only in sign,
+        Effects of stiffness (A), work of adhesion (B), radius (C), damping of adhesion (D) and
+        of the material (E), and of their interactions, on the capture velocity, exact and by a
+        fit of Eq. 34. Levels: equally far, in proportion, to either side of the nominal value
+        of every factor. (a) Normal plot. (b) Half-normal plot; green: effects on ln v_c. The effects of work of adhesion (B) and radius (C) differ only in sign,
         and so do their interactions with any other factor.
     """,
     {"normal": "normal plot of effects", "half_normal": "half-normal plot"},

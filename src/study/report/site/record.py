@@ -34,6 +34,7 @@ class Record:
     platform: str
     packages: Mapping[str, str | None]
     changes: tuple[Change, ...]  # Where the configuration differs from the shipped one
+    impact: str  # What is dropped on what, in words
     figures: Mapping[str, Mapping[str, Any]]  # The registry, words filled in
     rows: Mapping[str, Mapping[str, tuple[str, ...]]]  # Declared, by study and table: names
 
@@ -47,6 +48,7 @@ def record_of(
     *,
     config: Mapping[str, Any],
     shipped: Mapping[str, Any],
+    impact: str,
     figures: Mapping[str, Mapping[str, Any]],
     rows: Mapping[str, Mapping[str, str]],
     project: Path,
@@ -57,6 +59,8 @@ def record_of(
     ----------
     config, shipped
         The merged configuration, and the one that the project comes with.
+    impact
+        What is dropped on what, in words.
     figures
         The registry, words filled in.
     rows
@@ -67,6 +71,7 @@ def record_of(
     return Record(
         **origin(config, project),
         changes=changes(config, shipped),
+        impact=impact,
         figures=figures,
         rows={study: row_names(tables) for study, tables in rows.items()},
     )
