@@ -13,7 +13,7 @@ import math
 import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, fields, make_dataclass
+from dataclasses import dataclass, fields, make_dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args, get_type_hints
 
@@ -181,6 +181,23 @@ class DeclaredTable:
     def names(self) -> set[str]:
         """Names of the rows."""
         return set(map(self.name, self.rows))
+
+    def with_own(self, own: Mapping[str, Mapping[str, float | str]]) -> DeclaredTable:
+        """Return the table with a user's rows, by name and property, in place of those it has.
+
+        A value is a number, or one with its unit, as ``2329 kg/m3``.
+        """
+        rows = {}
+        for name, properties in own.items():
+            named = dict(zip(self.named_by, name.split(" on "), strict=True))
+            for key, text in properties.items():
+                value, _, unit = str(text).partition(" ")
+                amount = {"property": key, "value": value, "unit": unit or "-"}
+                user = {"evidence": "user", "source": "given without a source"}
+                rows[name, key] = dict.fromkeys(self.columns, "") | named | amount | user
+        kept = (row for row in self.rows if (self.name(row), row.get("property")) not in rows)
+        path = f"{self.path} and own" if own else self.path
+        return replace(self, path=path, rows=(*kept, *rows.values()))
 
 
 def read_declared(path: str, table: str) -> DeclaredTable:

@@ -9,9 +9,10 @@ those of the files that it names after them.
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, make_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, make_dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_type_hints
@@ -68,6 +69,34 @@ class Drawn:
     palette: Annotated[tuple[Name, ...], AfterValidator(_colours)] = ()
 
 
+def _amount(text: float | str) -> float | str:
+    number, _, unit = str(text).partition(" ")
+    try:
+        is_number = math.isfinite(float(number))
+    except ValueError:
+        is_number = False
+    if not is_number or unit != unit.strip():
+        raise ValueError(f"{text!r}: must be a number with its unit, as 2329 kg/m3")
+    return text
+
+
+def _pair(name: str) -> str:
+    if len(name.split(" on ")) != len(TABLES["contacts"][1]):
+        raise ValueError(f"{name!r}: must be particle and surface, as glass on silicon")
+    return name
+
+
+Amounts = Mapping[Name, Annotated[float | str, AfterValidator(_amount)]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Own:
+    """Rows of declared tables that a run adds or replaces, by name and property."""
+
+    materials: Mapping[Name, Amounts] = field(default_factory=dict)
+    contacts: Mapping[Annotated[Name, AfterValidator(_pair)], Amounts] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class General:
     """Top-level keys that belong to no single analysis."""
@@ -79,6 +108,7 @@ class General:
     external: Name
     digitised: Name
     figures: Drawn
+    own: Own = field(default_factory=Own)
     pathvars: Pathvars = field(default_factory=Pathvars)
 
 
@@ -148,7 +178,7 @@ def validate(
     reader.problems += [*_unknown_keys(config), *_no_mappings(config, names)]
     general = reader.part(General)
     rows = list(reader.resolver.rows)
-    tables = reader.tables(names)
+    tables = reader.tables(names, general.own if general else Own())
     laboratory = reader.part(Laboratory)
     reader.resolver.rows = rows  # those of the laboratory count where they are used
     branches = _branches(names)
@@ -171,8 +201,9 @@ def validate(
     if not only:
         _refuse(_idle(reader.resolver, laboratory, cases, {c.key for c in changes(config, base)}))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
-    # Where the results go, and what is drawn of them, is no input: the table is the same.
-    declared = tuple(row for row in rows if not row.key.startswith(("pathvars.", "figures.")))
+    # Where the results go, and what is drawn of them, is no input; own rows stand in their tables.
+    apart = "pathvars.", "figures.", "own."
+    declared = tuple(row for row in rows if not row.key.startswith(apart))
     return Settings(
         general=general,
         tables=tables,
@@ -212,7 +243,7 @@ class _Reader:
             self.problems += explain(error, kind, "", self.resolver.aliases)
             return None
 
-    def tables(self, names: Iterable[str]) -> DeclaredTables:
+    def tables(self, names: Iterable[str], own: Own) -> DeclaredTables:
         """Read the declared tables, whatever is wrong elsewhere, and declare all names."""
         paths = {name: self.resolver.resolved(str, name) for name in TABLES}
         texts = {name: path for name, path in paths.items() if isinstance(path, str)}
@@ -225,6 +256,11 @@ class _Reader:
             tables = None
         if tables is None:  # nothing can be named
             raise _error(self.lines())
+        tables = replace(
+            tables,
+            materials=tables.materials.with_own(own.materials),
+            contacts=tables.contacts.with_own(own.contacts),
+        )
         self.resolver.declare("printed", tables.printed())
         self.resolver.declare("contacts", tables.pairs())
         self.known = Known(tables.names())
@@ -408,20 +444,21 @@ def read_inputs(settings: Settings, changed: Collection[str] = ()) -> Inputs:
     OSError
         If a file cannot be read.
     """
-    general, rows = settings.general, settings.tables.materials.rows
-    with located(general.materials):
+    general, tables = settings.general, settings.tables
+    rows = tables.materials.rows
+    with located(tables.materials.path):
         for end in ("low", "high"):  # both ends of every uncertain property must be possible, too
             materials_from_rows({**row, "value": row[end] or row["value"]} for row in rows)
         materials = materials_from_rows(rows)
-    with located(general.contacts):
-        contacts = pairs_from_rows(settings.tables.contacts.rows)
+    with located(tables.contacts.path):
+        contacts = pairs_from_rows(tables.contacts.rows)
     wrong = [
-        f"{general.materials}: {name}: {line}"
+        f"{tables.materials.path}: {name}: {line}"
         for name, material in materials.items()
         for line in implausible(material)
     ]
     wrong += [
-        f"{general.contacts}: {line}"
+        f"{tables.contacts.path}: {line}"
         for pair in contacts
         for line in _out_of_range(pair, materials, contacts)
     ]

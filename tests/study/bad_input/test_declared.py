@@ -9,7 +9,7 @@ from tests.study.bad_input.conftest import DIGITISED
 from study.declared.documents import ConfigError
 from study.declared.references import merged
 from study.declared.selection import NamedTables
-from study.run.config import validate
+from study.run.config import read_inputs, validate
 
 CONFIG, MATERIALS, CONTACTS = "config.yaml", "materials.csv", "contacts.csv"
 LABORATORY, PRINTED, EXTERNAL = "laboratory.yaml", "printed_values.csv", "external.csv"
@@ -203,6 +203,9 @@ OVERLAYS = [
     ({"figures": {"scale": 0}}, ["figures.scale: 0 must be greater than 0"]),
     ({"figures": {"palette": ["blue"] * 7}}, ["figures.palette: 'blue': must be 7 colours or more, as '#0072b2'"]),
     ({"figures": {"palette": ["#0072b2"]}}, ["figures.palette: 1 of them: must be 7 colours or more, as '#0072b2'"]),
+    ({"own": {"materials": {"silicon": {"density": "dense"}}}}, ["own.materials.silicon.density: 'dense': must be a number with its unit, as 2329 kg/m3"]),
+    ({"own": {"contacts": {"silicon": {"friction": 0.1}}}}, ["own.contacts.silicon: 'silicon': must be particle and surface, as glass on silicon"]),
+    ({"own": {"metals": {}}}, ["own.metals: unknown key (did you mean 'materials'?)"]),
     ({"impact": {"back": {"from": "surfaces.Formica"}}}, ["impact.back.surface: 'formica' must be silicon, as in front"]),
     ({"impact": {"case": {"from": "impact"}}}, ["impact.case.from: no case in impact"]),
     ({"pair_search": {"from": "particles.Lycopodium"}}, ["pair_search.particle: 'lycopodium' must be stainless-steel-316, as of the case 'steel-silicon, n = 1'"]),
@@ -248,6 +251,31 @@ def test_an_overlay_is_refused_in_a_line_a_key(overlay, lines):
     assert len(found) == len(lines)
     for told, line in zip(found, lines, strict=True):
         assert told.startswith(line)
+
+
+@pytest.mark.parametrize(
+    ("table", "name", "rows", "told"),
+    [
+        (
+            "materials",
+            "silicon",
+            {"density": 2329},
+            "material 'silicon', density: unit '-' must be",
+        ),
+        (
+            "materials",
+            "gold",
+            {"density": "19300 kg/m3"},
+            "material 'gold': youngs_modulus, poissons",
+        ),
+        ("materials", "silicon", {"densty": "2 kg/m3"}, "property 'densty' unknown .did you mean"),
+        ("contacts", "glas on silicon", {"friction": 0.1}, "unknown material 'glas' .did you mean"),
+    ],
+)
+def test_an_own_row_is_refused_as_one_of_the_file(table, name, rows, told):
+    settings = validate(merged(shipped(), {"own": {table: {name: rows}}}), shipped())
+    with pytest.raises(ValueError, match=f"config/{table}.csv and own: .*{told}"):
+        read_inputs(settings)
 
 
 @pytest.mark.parametrize(("name", "content", "words"), BYTES, ids=range(len(BYTES)))

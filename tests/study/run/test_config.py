@@ -44,6 +44,20 @@ def test_shipped_configuration_is_valid_and_every_number_has_evidence_and_source
         assert row.source, row.key
 
 
+def test_own_rows_stand_beside_the_shipped_ones_or_replace_them():
+    own = {"materials": {"silicon": {"density": "2400 kg/m3"}}}
+    own |= {"contacts": {"glass on silicon": {"friction": 0.2}}}
+    tables = validate(changed(own=own), BASE).tables
+    shipped_tables = validate(BASE, BASE).tables
+    assert len(tables.materials.rows) == len(shipped_tables.materials.rows)
+    assert len(tables.contacts.rows) == len(shipped_tables.contacts.rows) + 1
+    (density,) = set(tables.materials.text().splitlines()) - set(
+        shipped_tables.materials.text().splitlines()
+    )
+    assert density.startswith("silicon,density,2400,kg/m3,,,user,")
+    assert tables.pairs()["glass on silicon"]["friction"].value == 0.2
+
+
 def test_an_analysis_has_a_file_of_its_name():
     files = (ROOT / "config/analyses").glob("*.yaml")
     assert {path.stem: list(load(path)) for path in files} == {n: [n] for n in analyses.homes()}
