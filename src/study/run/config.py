@@ -368,7 +368,7 @@ def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:
         yield f"{key}: from {cut}, only {node.share:.1g} of {normal} is left"
     if not is_dataclass(node) or type(node).__module__ == TruncatedNormal.__module__:
         return  # measured values may be equal
-    for name, hint in get_type_hints(type(node)).items():
+    for name, hint in _hints(type(node)).items():  # type: ignore[arg-type]
         child, items = getattr(node, name), f"{key}.{name}"
         if get_args(hint)[1:] == (Ellipsis,) and isinstance(child, tuple):
             # Facts that a list names may well be equal: it repeats what stands in one list only.
@@ -381,6 +381,11 @@ def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:
                 if where and (where, item) in named[:i]
             )
         yield from _slips(child, items, origins)
+
+
+@cache
+def _hints(kind: type[Any]) -> Mapping[str, Any]:
+    return get_type_hints(kind)
 
 
 def _error(lines: Iterable[str]) -> ConfigError:

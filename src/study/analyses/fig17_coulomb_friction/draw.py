@@ -4,13 +4,38 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from study.analyses.fig17_coulomb_friction import remarks
-from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, Series, figure, stated
+from study.figures.declaration import IMPULSE_RATIO, OVER_ANGLE, Remark, Series, figure, stated
 
 if TYPE_CHECKING:
     from study.figures.declaration import Stated
     from study.figures.style import Sheet
-    from study.tables import Curves
+    from study.tables import Curves, ResultTables
+
+
+FRICTIONS = "0.1", "0.15", "0.2"
+
+
+def end_of_rolling(tables: ResultTables, friction: str) -> float:
+    """Return the largest angle at which the impulse ratio is the friction coefficient."""
+    ends = float(friction) - 1e-9, float(friction) + 1e-9
+    return max(tables("fig17").all("x_deg", panel="friction", series=friction, y_1=ends))
+
+
+def rolls_down_to_fifty(tables: ResultTables) -> Stated:
+    """Rolling ends near the printed 50° for f = 0.15, but not for the next coefficients."""
+    low, middle, high = (end_of_rolling(tables, friction) for friction in FRICTIONS)
+    near = abs(middle - 50.0) < 5.0 < min(abs(low - 50.0), abs(high - 50.0))
+    return stated(near, low=low, middle=middle, high=high)
+
+
+AGREEMENT = (
+    Remark(
+        "Without spin, rolling ends near the printed 50° only for a friction coefficient near "
+        "the printed 0.15: at {middle:.0f}°, against {low:.0f}° for 0.10 and {high:.0f}° for "
+        "0.20. Two printed numbers thus agree.",
+        rolls_down_to_fifty,
+    ),
+)
 
 
 def slides_then_rolls(y: Curves) -> Stated:
@@ -44,7 +69,7 @@ def slides_then_rolls(y: Curves) -> Stated:
         the rolling line, so that friction does not vanish at 90°.
     """,
     holds=slides_then_rolls,
-    agreement=remarks.AGREEMENT,
+    agreement=AGREEMENT,
     height_mm=74.0,
 )
 def draw_fig17(sheet: Sheet) -> None:
