@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from study.tables import NotComputedError
+
 CONSTANT = "steel-silicon, n = 0"
 
 
@@ -47,3 +49,15 @@ def test_within_an_impact_every_moment_is_negligible_and_the_bound_never_is(rebo
     assert (rebounds[["impact_over_friction", "damping_over_friction"]] < 0.1).all(axis=None)
     of_steel = rebounds.query("case == @CONSTANT and diameter_um == 62 and speed_m_per_s == 1.66")
     assert (of_steel["bound_over_friction"] > 0.1).all()
+
+
+def test_a_case_of_another_law_costs_one_row(run_study):
+    few = {"rate_exponents": [0.0, 1.0], "works_of_adhesion_J_per_m2": [0.7, 3.5]}
+    members = {"steel-silicon, n = 1": {"law": "jkr"}}
+    calibration = run_study("calibration", two_stage={**few, "members": members})
+    tables = run_study("rolling_dissipation", calibration, points=5)
+    cases = tables["rolling_dissipation"].groupby("case").size()
+    assert cases["steel-silicon, n = 1"] == 1 < cases[CONSTANT]
+    assert np.isfinite(tables["rolling"]["y_1"]).all()
+    with pytest.raises(NotComputedError, match="contact must have the law 'ring force' here"):
+        run_study("rolling_dissipation", calibration, cases=list(members))

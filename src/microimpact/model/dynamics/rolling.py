@@ -169,6 +169,7 @@ def rolling_impulses(
     ValueError
         If the sphere is captured, or an argument is not admissible.
     """
+    require_contact(contact)
     path = trajectory(contact, speed, angle, points=points)
     if path.captured:
         raise ValueError(f"no rebound at speed {speed:g} m/s and angle {angle:g} deg")

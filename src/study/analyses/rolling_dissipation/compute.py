@@ -7,6 +7,7 @@ through a small part of its own contact radius: from hysteresis, and from the mo
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -17,7 +18,8 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.model.contact import Contact, resized
+from microimpact.core.computable import NotComputable
+from microimpact.model.contact import Contact, require_contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.rolling import RollingImpulses, rolling_impulses
 from study.contacts import calibrated_contact
@@ -29,7 +31,7 @@ from study.declared.parameters import (
     Points,
     Positive,
 )
-from study.tables import Row, Tables, series_frame
+from study.tables import NotComputedError, Row, Tables, reason, series_frame
 
 NEEDS = {"calibration": ("calibration",)}
 
@@ -64,12 +66,22 @@ def run(params: Params, inputs: Tables) -> Tables:
     """Compare the neglected moments with the moment of friction.
 
     ``rolling_dissipation``: per case, diameter, speed and angle the impulse of each moment over
-    that of friction; empty where the sphere is captured.
+    that of friction; empty where the sphere is captured. A case of another law than the ring force
+    has one row that says so.
     ``rolling``: data of the figure.
     """
-    rows: list[Row] = []
-    for case, diameter, speed in product(params.cases, params.diameters_um, params.speeds_m_per_s):
-        contact = resized(calibrated_contact(inputs, case), diameter * 1e-6)
+    contacts, rows = dict[str, Contact](), list[Row]()
+    for case in params.cases:
+        try:
+            require_contact(contact := calibrated_contact(inputs, case))
+            contacts[case] = contact
+        except NotComputable as error:
+            problem = reason(f"rolling_dissipation.cases.{case}", error)
+            rows.append({"case": case, "problem": problem})
+    if not contacts:
+        raise NotComputedError(rows[0]["problem"])
+    for case, diameter, speed in product(contacts, params.diameters_um, params.speeds_m_per_s):
+        contact = resized(contacts[case], diameter * 1e-6)
         start = {"case": case, "diameter_um": diameter, "speed_m_per_s": speed}
         rebounds = _rebounding(contact, speed, np.array(params.angles_deg))
         for angle in params.angles_deg:
@@ -77,7 +89,7 @@ def run(params: Params, inputs: Tables) -> Tables:
             rows.append({**start, "angle_deg": angle, **_row(contact, speed, moments)})
     return {
         "rolling_dissipation": pd.DataFrame(rows).assign(evidence="computed"),
-        "rolling": curves(params, inputs),
+        "rolling": curves(params, contacts),
     }
 
 
@@ -106,12 +118,12 @@ def _row(contact: Contact, speed: float, moments: RollingImpulses | None) -> Row
     }
 
 
-def curves(params: Params, inputs: Tables) -> pd.DataFrame:
+def curves(params: Params, contacts: Mapping[str, Contact]) -> pd.DataFrame:
     """Return the data of the figure: each grade against the angle, per case and speed."""
     frames = []
     angles = np.linspace(params.angles_deg[0], params.angles_deg[-1], params.points)
-    for case, speed in product(params.cases, params.drawn_speeds_m_per_s):
-        contact = resized(calibrated_contact(inputs, case), params.drawn_diameter_um * 1e-6)
+    for case, speed in product(contacts, params.drawn_speeds_m_per_s):
+        contact = resized(contacts[case], params.drawn_diameter_um * 1e-6)
         rebounding = _rebounding(contact, speed, angles)
         impacts = [rolling_impulses(contact, speed, angle) for angle in rebounding.tolist()]
         ratios = pd.DataFrame([_ratios(moments) for moments in impacts], columns=list(GRADES))

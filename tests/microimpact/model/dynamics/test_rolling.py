@@ -10,6 +10,7 @@ import pytest
 from scipy.constants import g
 from scipy.integrate import dblquad, quad
 
+from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.rolling import (
     adhesion_moment,
@@ -158,6 +159,8 @@ def test_gravity_rolls_a_sphere_whose_adhesion_hardly_lags(contact):
 def test_wrong_arguments_are_refused(contact):
     with pytest.raises(ValueError, match=r"no rebound at speed 0.001 m/s and angle 45 deg"):
         rolling_impulses(contact, 1e-3, 45.0)
+    with pytest.raises(ValueError, match="contact must have the law 'ring force' here, got 'jkr'"):
+        rolling_impulses(contact.by_law(JKR(), 0.1), 1.66, 45.0)
     with pytest.raises(ValueError, match="tilt must be"):
         rolling_distance(contact, 0.1, 1e-9, 91.0)
     with pytest.raises(ValueError, match="shift must be"):
