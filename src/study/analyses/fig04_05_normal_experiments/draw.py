@@ -206,8 +206,7 @@ def larger_keep_theirs(y: Curves) -> Stated:
     """
         Restitution against the normal impact speed for [[populations]] of
         [[case.particle]] on smooth [[case.surface]]. Marks: virtual experiments with 95 %
-        intervals. Curves: all spheres that rebound, without the instrument. Above about 0.5 m/s
-        marks and the curves of their contact agree by construction.
+        intervals. Curves: all spheres that rebound, without the instrument.
     """,
     {"all": ""},
     data=("fig04",),
@@ -236,7 +235,8 @@ def larger_keep_theirs(y: Curves) -> Stated:
         [[populations.SST65.diameter_um.high:.0f]] µm (shaded marks), SST125 those of
         [[populations.SST125.diameter_um.low:.0f]] to
         [[populations.SST125.diameter_um.high:.0f]] µm (open marks). The slowest marks lie above
-        the curves because slow rebounds do not reach the probe again. The article prints no
+        the curves because slow rebounds do not reach the probe again; above about 0.5 m/s both
+        agree by construction. The article prints no
         level for these impacts. Grey: the speeds at which it saw particles pile up.
     """,
     contact=TWO_STAGES,

@@ -90,8 +90,7 @@ def adhesion_raises_friction(y: Curves) -> Stated:
         Impulse ratio against the angle of incidence for [[case.pair]], [[diameter_um:g]] µm, f
         = [[friction:g]], [[speed_m_per_s:.2f]] m/s. (a) Rigid body model and dynamic
         simulation, in which adhesion adds to the force that friction acts on. (b) The
-        simulation with each of the normal forces in Coulomb's law: compressive part, Hertz
-        force alone, and net force (Eq. 27).
+        simulation with each of the normal forces that Coulomb's law may mean (Eq. 27).
     """,
     {"adhesion": "rigid body model and simulation", "basis": "normal force in Coulomb's law"},
     data=("fig18",),
@@ -124,7 +123,7 @@ def draw_fig18(sheet: Sheet) -> None:
         "rigid body": Series("rigid body model", 1, line="dashed"),
         "virtual experiment": Series("virtual experiment", 6),
         "printed plateau": Series("ends of the printed plateau", 6),
-        "posterior": Series("95 % of posterior contacts", 0, band=True),
+        "posterior": Series("95 % of posterior contacts,\n[[posterior.law]]", 0, band=True),
     }
     forces = {
         "compressive": Series("compressive part of the normal force", 0),
@@ -185,7 +184,9 @@ def draw_fig21(sheet: Sheet) -> None:
         "total": Series("all kinetic energy", 0),
         "translational": Series("translational energy alone", 1, line="dashed"),
         "virtual experiment": Series("virtual experiment", 6),
-        "posterior": Series("95 % of posterior contacts", 1, line="dotted", band=True),
+        "posterior": Series(
+            "95 % of posterior contacts,\n[[posterior.law]]", 1, line="dotted", band=True
+        ),
     }
     sheet.captured(ax, "capture")
     sheet.draw(ax, losses)

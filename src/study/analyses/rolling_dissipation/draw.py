@@ -57,8 +57,8 @@ def rolling_is_negligible(y: Curves) -> Stated:
     method="""
         Statics: all pressure at the leading edge of the contact, all adhesion on its trailing
         half. Hysteresis: of the whole loss of the impact and of the whole adhesion. Damping: at
-        each point of the contact. Rate exponents 0 and 1 of the adhesion damping, three speeds
-        (table rolling_dissipation); above capture.
+        each point of the contact. Contacts [[cases]]; speeds of [[drawn_speeds_m_per_s]] m/s,
+        above capture (table rolling_dissipation).
     """,
     contact=TWO_STAGES,
     tables={
