@@ -36,9 +36,9 @@ def two_numbers_leave_a_range(y: Curves) -> Stated:
         [[two_stage.speed_m_per_s:.2f]] m/s and a capture velocity of
         [[two_stage.capture_velocity_m_per_s:.2f]] m/s. (a) Largest deviation of e from its
         plateau against the work of adhesion; below the criterion e counts as constant. (b) The
-        two members used in the figures.
+        members used in the figures.
     """,
-    {"ridge": "deviation from the plateau", "curves": "the two members used in the figures"},
+    {"ridge": "deviation from the plateau", "curves": "the members used in the figures"},
     data=("ridge", "ridge_curves"),
     equations="25",
     finding="""
