@@ -195,5 +195,5 @@ def draw_fig21(sheet: Sheet) -> None:
     moved = rows.loc[rows["series"] == "translational"].iloc[:, 4]
     spin = "energy of the final spin"
     ax.fill_between(angle, total, moved, label=spin, color="0.85", linewidth=0, zorder=0)
-    sheet.legend(ax, "lower right")
+    sheet.legend(ax, "best")
     sheet.keys()
