@@ -29,9 +29,9 @@ def merged(old: Any, new: Any) -> Any:
     """Merge changes over a configuration.
 
     Mappings are merged by name, and a name given as null is taken away; it stays null, to be
-    refused as an unknown key, where there is no such name. A value with its provenance and a
-    distribution are one value each, replaced as a whole; a reference keeps the place it names
-    beside what replaces its value.
+    refused as an unknown key, where there is no such name. A value with its provenance is replaced as
+    a whole, and so is a distribution by one that states its kind; a reference keeps the place it
+    names beside what replaces its value.
     """
     if is_reference(old) and new is not None and not isinstance(new, Mapping):
         return {FROM: old[FROM], "values" if isinstance(new, list) else "value": new}
@@ -43,7 +43,7 @@ def merged(old: Any, new: Any) -> Any:
         # A distribution that named a place for one of its numbers still tells it.
         named = old if KIND in new and KIND in old else {}
         return {name: merged(named.get(name), child) for name, child in new.items()}
-    if _is_one_value(old):
+    if FROM not in old and is_declaration(old):
         return new
     laid = {name: merged(old.get(name), child) for name, child in new.items()}
     every = {**old, **laid}.items()

@@ -146,6 +146,12 @@ def test_a_distribution_keeps_the_place_of_a_number_that_is_replaced():
     assert merged(old, uniform) == uniform
 
 
+def test_numbers_of_a_distribution_change_without_its_kind():
+    resolver, study = resolved({"particles": {"SST65": {"diameter_um": {"sd": 3.0}}}})
+    assert study["drops"]["a"]["diameter_um"] == {"kind": "normal", "mean": 49, "sd": 3.0}
+    assert not resolver.problems
+
+
 def test_what_is_taken_away_must_be_there():
     assert merged({"a": 1, "b": 2}, {"a": None, "c": None}) == {"b": 2, "c": None}
 
