@@ -30,6 +30,8 @@ _PARTS = ("value", "values", *_WORDS)
 # In place of a value: the one that is named, in other words.
 KEPT = object()
 
+# Numbers of a distribution that are in its own unit.
+_OF_DISTRIBUTION = {"at", "low", "high", "mean", "sd", "median", "edges"}
 _SYMBOL = r"(?:um|mm|nm|ms|us|ns|px|counts|kHz|deg|rad|GPa|MPa|Pa|kg|mN|uN|uC|[mgsNJKV])\d?"
 _SUFFIX = re.compile(rf"_({_SYMBOL}(?:_per_{_SYMBOL})*|per_s)$")
 
@@ -52,7 +54,7 @@ class Declared:
 
     @property
     def unit(self) -> str:
-        """Unit of a number in use, by the name of its key."""
+        """Unit of a number in use, by the name of its key, or of its distribution's."""
         number = isinstance(self.value, int | float) and not isinstance(self.value, bool)
         return unit_of(self.key) if number else ""
 
@@ -140,8 +142,13 @@ def _has_number(value: object) -> bool:
 
 
 def unit_of(key: str) -> str:
-    """Return the unit in the suffix of a key: ``speed_m_per_s`` gives ``m/s``, else ``-``."""
-    name = re.sub(r"\[\d+\]", "", key).rpartition(".")[2]
+    """Return the unit in the suffix of a key: ``speed_m_per_s`` gives ``m/s``, else ``-``.
+
+    So does ``speed_m_per_s.mean``, of a distribution.
+    """
+    above, _, name = re.sub(r"\[\d+\]", "", key).rpartition(".")
+    if name in _OF_DISTRIBUTION:
+        name = above.rpartition(".")[2]
     suffix = _SUFFIX.search(name)
     if not suffix:
         return "-"

@@ -29,9 +29,9 @@ def merged(old: Any, new: Any) -> Any:
     """Merge changes over a configuration.
 
     Mappings are merged by name, and a name given as null is taken away; it stays null, to be
-    refused as an unknown key, where there is no such name. A value with its provenance is replaced as
-    a whole, and so is a distribution by one that states its kind; a reference keeps the place it
-    names beside what replaces its value.
+    refused as an unknown key, where there is no such name. A value with its provenance is replaced
+    as a whole, and so is a distribution by one that states its kind; a reference keeps the place
+    it names beside what replaces its value.
     """
     if is_reference(old) and new is not None and not isinstance(new, Mapping):
         return {FROM: old[FROM], "values" if isinstance(new, list) else "value": new}

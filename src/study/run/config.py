@@ -29,7 +29,7 @@ from microimpact.statistics.distributions import SampleFile, TruncatedNormal
 from study import analyses
 from study.declared.documents import ConfigError, entries, load, located
 from study.declared.parameters import Known, Name, Positive, Seed, adapter, build, explain
-from study.declared.provenance import Declared, unit_of
+from study.declared.provenance import Declared
 from study.declared.references import Resolver
 from study.declared.selection import TABLES, DeclaredTables, read_all
 from study.figures.declaration import Figure, Format, all_figures
@@ -412,10 +412,8 @@ def _out_of_unit(rows: Iterable[Declared]) -> Iterator[str]:
         if key.endswith(".path"):  # of a file of values
             key, values = key[:-5], SampleFile(path=row.value).quantile(_ENDS).tolist()
         yield from filter(None, (doubt_of_input(key, value) for value in values))
-        # A number of a distribution has the unit of the distribution's key.
-        wanted = {row.unit, unit_of(row.key.rpartition(".")[0])} - {"-"}
-        if row.given_unit and wanted and row.given_unit not in wanted:
-            allowed = f"{' or '.join(sorted(wanted))}, as that of {row.key}"
+        if row.given_unit and row.unit not in {"", "-", row.given_unit}:
+            allowed = f"{row.unit}, as that of {row.key}"
             yield f"{row.origin}: the unit {row.given_unit} must be {allowed}"
 
 

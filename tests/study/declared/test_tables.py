@@ -48,6 +48,9 @@ def test_unknown_evidence_is_refused():
     ("key", "unit"),
     [
         ("a.speed_m_per_s", "m/s"),
+        ("a.speed_m_per_s.mean", "m/s"),
+        ("diameter_um.edges[1]", "um"),
+        ("diameter_um.geometric_sd", "-"),
         ("diameter_um", "um"),
         ("damping_s_per_m", "s/m"),
         ("work_of_adhesion_J_per_m2", "J/m2"),
