@@ -27,7 +27,7 @@ def changed_inputs(used: Settings, shipped: Settings) -> dict[str, dict[str, str
     Returns
     -------
     dict
-        By study: keys of parameters, as ``fig20_force_history.case``, each with the key under which
+        By study: keys of parameters, as ``pile_up.case``, each with the key under which
         its value is declared. A case of another pair has the keys ``case.particle`` and
         ``case.surface``, too.
     """
