@@ -182,13 +182,13 @@ class DeclaredTable:
         """Names of the rows."""
         return set(map(self.name, self.rows))
 
-    def with_own(self, own: Mapping[str, Mapping[str, float | str]]) -> DeclaredTable:
-        """Return the table with a user's rows, by name and property, in place of those it has.
+    def with_properties(self, by_name: Mapping[str, Mapping[str, float | str]]) -> DeclaredTable:
+        """Return the table with a user's properties by name, in place of those it has.
 
         A value is a number, or one with its unit, as ``2329 kg/m3``.
         """
         rows = {}
-        for name, properties in own.items():
+        for name, properties in by_name.items():
             named = dict(zip(self.named_by, name.split(" on "), strict=True))
             for key, text in properties.items():
                 value, _, unit = str(text).partition(" ")
@@ -196,7 +196,7 @@ class DeclaredTable:
                 user = {"evidence": "user", "source": "given without a source"}
                 rows[name, key] = dict.fromkeys(self.columns, "") | named | amount | user
         kept = (row for row in self.rows if (self.name(row), row.get("property")) not in rows)
-        path = f"{self.path} and own" if own else self.path
+        path = f"{self.path} and properties" if by_name else self.path
         return replace(self, path=path, rows=(*kept, *rows.values()))
 
 

@@ -90,8 +90,8 @@ Amounts = Mapping[Name, Annotated[float | str, AfterValidator(_amount)]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Own:
-    """Rows of declared tables that a run adds or replaces, by name and property."""
+class Properties:
+    """Properties that a run adds to the declared tables, or replaces there."""
 
     materials: Mapping[Name, Amounts] = field(default_factory=dict)
     contacts: Mapping[Annotated[Name, AfterValidator(_pair)], Amounts] = field(default_factory=dict)
@@ -108,7 +108,7 @@ class General:
     external: Name
     digitised: Name
     figures: Drawn
-    own: Own = field(default_factory=Own)
+    properties: Properties = field(default_factory=Properties)
     pathvars: Pathvars = field(default_factory=Pathvars)
 
 
@@ -178,7 +178,7 @@ def validate(
     reader.problems += [*_unknown_keys(config), *_no_mappings(config, names)]
     general = reader.part(General)
     rows = list(reader.resolver.rows)
-    tables = reader.tables(names, general.own if general else Own())
+    tables = reader.tables(names, general.properties if general else Properties())
     laboratory = reader.part(Laboratory)
     reader.resolver.rows = rows  # those of the laboratory count where they are used
     branches = _branches(names)
@@ -201,8 +201,8 @@ def validate(
     if not only:
         _refuse(_idle(reader.resolver, laboratory, cases, {c.key for c in changes(config, base)}))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
-    # Where the results go, and what is drawn of them, is no input; own rows stand in their tables.
-    apart = "pathvars.", "figures.", "own."
+    # Where the results go, and what is drawn of them, is no input; properties are in their tables.
+    apart = "pathvars.", "figures.", "properties."
     declared = tuple(row for row in rows if not row.key.startswith(apart))
     return Settings(
         general=general,
@@ -243,7 +243,7 @@ class _Reader:
             self.problems += explain(error, kind, "", self.resolver.aliases)
             return None
 
-    def tables(self, names: Iterable[str], own: Own) -> DeclaredTables:
+    def tables(self, names: Iterable[str], properties: Properties) -> DeclaredTables:
         """Read the declared tables, whatever is wrong elsewhere, and declare all names."""
         paths = {name: self.resolver.resolved(str, name) for name in TABLES}
         texts = {name: path for name, path in paths.items() if isinstance(path, str)}
@@ -258,8 +258,8 @@ class _Reader:
             raise _error(self.lines())
         tables = replace(
             tables,
-            materials=tables.materials.with_own(own.materials),
-            contacts=tables.contacts.with_own(own.contacts),
+            materials=tables.materials.with_properties(properties.materials),
+            contacts=tables.contacts.with_properties(properties.contacts),
         )
         self.resolver.declare("printed", tables.printed())
         self.resolver.declare("contacts", tables.pairs())

@@ -203,9 +203,9 @@ OVERLAYS = [
     ({"figures": {"scale": 0}}, ["figures.scale: 0 must be greater than 0"]),
     ({"figures": {"palette": ["blue"] * 7}}, ["figures.palette: 'blue': must be 7 colours or more, as '#0072b2'"]),
     ({"figures": {"palette": ["#0072b2"]}}, ["figures.palette: 1 of them: must be 7 colours or more, as '#0072b2'"]),
-    ({"own": {"materials": {"silicon": {"density": "dense"}}}}, ["own.materials.silicon.density: 'dense': must be a number with its unit, as 2329 kg/m3"]),
-    ({"own": {"contacts": {"silicon": {"friction": 0.1}}}}, ["own.contacts.silicon: 'silicon': must be particle and surface, as glass on silicon"]),
-    ({"own": {"metals": {}}}, ["own.metals: unknown key (did you mean 'materials'?)"]),
+    ({"properties": {"materials": {"silicon": {"density": "dense"}}}}, ["properties.materials.silicon.density: 'dense': must be a number with its unit, as 2329 kg/m3"]),
+    ({"properties": {"contacts": {"silicon": {"friction": 0.1}}}}, ["properties.contacts.silicon: 'silicon': must be particle and surface, as glass on silicon"]),
+    ({"properties": {"metals": {}}}, ["properties.metals: unknown key (did you mean 'materials'?)"]),
     ({"impact": {"back": {"from": "surfaces.Formica"}}}, ["impact.back.surface: 'formica' must be silicon, as in front"]),
     ({"impact": {"case": {"from": "impact"}}}, ["impact.case.from: no case in impact"]),
     ({"pair_search": {"from": "particles.Lycopodium"}}, ["pair_search.particle: 'lycopodium' must be stainless-steel-316, as of the case 'steel-silicon, n = 1'"]),
@@ -272,9 +272,9 @@ def test_an_overlay_is_refused_in_a_line_a_key(overlay, lines):
         ("contacts", "glas on silicon", {"friction": 0.1}, "unknown material 'glas' .did you mean"),
     ],
 )
-def test_an_own_row_is_refused_as_one_of_the_file(table, name, rows, told):
-    settings = validate(merged(shipped(), {"own": {table: {name: rows}}}), shipped())
-    with pytest.raises(ValueError, match=f"config/{table}.csv and own: .*{told}"):
+def test_a_given_property_is_refused_as_one_of_the_file(table, name, rows, told):
+    settings = validate(merged(shipped(), {"properties": {table: {name: rows}}}), shipped())
+    with pytest.raises(ValueError, match=f"config/{table}.csv and properties: .*{told}"):
         read_inputs(settings)
 
 

@@ -44,10 +44,12 @@ def test_shipped_configuration_is_valid_and_every_number_has_evidence_and_source
         assert row.source, row.key
 
 
-def test_own_rows_stand_beside_the_shipped_ones_or_replace_them():
-    own = {"materials": {"silicon": {"density": "2400 kg/m3"}}}
-    own |= {"contacts": {"glass on silicon": {"friction": 0.2}}}
-    tables = validate(changed(own=own), BASE).tables
+def test_given_properties_stand_beside_the_shipped_ones_or_replace_them():
+    properties = {
+        "materials": {"silicon": {"density": "2400 kg/m3"}},
+        "contacts": {"glass on silicon": {"friction": 0.2}},
+    }
+    tables = validate(changed(properties=properties), BASE).tables
     shipped_tables = validate(BASE, BASE).tables
     assert len(tables.materials.rows) == len(shipped_tables.materials.rows)
     assert len(tables.contacts.rows) == len(shipped_tables.contacts.rows) + 1
