@@ -236,3 +236,15 @@ def test_a_symbol_has_one_name_at_every_axis():
         own = {label for label in written if symbol in label} - OTHERS
         assert own <= names
         assert own
+
+
+def test_a_case_that_is_left_out_has_no_panel():
+    figure = SPECS["sobol"]
+    (rows,) = data_of(figure)
+    left = rows[~rows["panel"].str.endswith("n = 1")]
+    with style.context():
+        branch = SETTINGS.branches[figure.analysis]
+        sheet = style.Sheet(figure, {"sobol": left}, branch, SETTINGS.pairs)
+        figure.draw(sheet)
+    shown = [ax.get_label() for ax in sheet.figure.axes if ax.get_visible()]
+    assert shown == list(dict.fromkeys(left["panel"]))

@@ -49,14 +49,15 @@ def radius_leads(y: Curves) -> Stated:
     """
         Shares of the variance of the capture velocity of [[cases.pair]], with
         [[confidence:.0%]] bootstrap intervals. (a-d) Total and first-order indices over the
-        levels of Figs. 24 and 25, with shares of the squared effects. (e) Convergence of (a).
+        levels of Figs. 24 and 25, with shares of the squared effects. (e) Convergence for
+        [[drawn_case]], realistic levels.
     """,
     {
         "realistic, steel-silicon, n = 0": "realistic, $n$ = 0",
         "realistic, steel-silicon, n = 1": "realistic, $n$ = 1",
         "uniform, steel-silicon, n = 0": "uniform, $n$ = 0",
         "uniform, steel-silicon, n = 1": "uniform, $n$ = 1",
-        "convergence": "convergence of (a)",
+        "convergence": "convergence",
     },
     data=("sobol",),
     equations="23, 24, 25",
@@ -87,6 +88,9 @@ def draw_sobol(sheet: Sheet) -> None:
     from study.figures.style import legend_above, plain_numbers
 
     *panels, convergence = sheet.panels()
+    for ax in [ax for ax in panels if sheet.take(ax, next(iter(INDICES))).empty]:
+        panels.remove(ax)  # of a case that a changed run leaves out
+        ax.set_visible(False)
     for ax in panels:
         ax.set(xlim=(-0.5, 4.5), ylim=(-0.04, 1.0), xlabel="Factor", ylabel="Share of variance")
         for number, (name, look) in enumerate(INDICES.items()):
