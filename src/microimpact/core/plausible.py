@@ -24,6 +24,9 @@ PLAUSIBLE = {
     "angle": (math.pi / 2, 90.0, "degrees", "radians"),
 }
 
+# Numbers of a distribution that are values of its quantity, in the unit of its key.
+PLACES = {"at", "mean", "median", "low", "high", "edges"}
+
 # Modules whose numbers were checked where they were given.
 PASSING_ON = ("microimpact.", "study.")
 

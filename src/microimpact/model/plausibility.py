@@ -7,15 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from microimpact.core.arrays import Real
-from microimpact.core.plausible import PLAUSIBLE, implausible
+from microimpact.core.plausible import PLACES, PLAUSIBLE, implausible
 from microimpact.model.contact import Contact
 
 # Far above the speeds at which any solid stays elastic.
 FASTEST = 1e3  # m/s
 # Beyond it a facet hides its neighbours, which no model of a rough surface here considers.
 STEEPEST = 0.5  # rad
-# Of a distribution, in the unit of its key.
-_PLACES = {"at", "mean", "median", "low", "high", "edges"}
 # Of the radius: beyond it the contact is no small circle on a sphere.
 DEEPEST = 0.1
 # Of the softer body's modulus: hardly anything stays elastic beyond it.
@@ -28,7 +26,7 @@ def doubt_of_input(key: str, value: object) -> str:
     Metres for micrometres are the commonest slip. Nothing is said of what is likely.
     """
     *_, above, name = ("", *key.partition("[")[0].split("."))
-    name = above if name in _PLACES else name
+    name = above if name in PLACES else name
     if not isinstance(value, int | float) or isinstance(value, bool):
         return ""
     if "diameter" in name and name.endswith("_um"):

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from microimpact.core.nearest import nearest
+from microimpact.core.plausible import PLACES
 
 # Classes of declared values, with their meaning.
 EVIDENCE = {
@@ -30,8 +31,8 @@ _PARTS = ("value", "values", *_WORDS)
 # In place of a value: the one that is named, in other words.
 KEPT = object()
 
-# Numbers of a distribution that are in its own unit.
-_OF_DISTRIBUTION = {"at", "low", "high", "mean", "sd", "median", "edges"}
+# Numbers of a distribution that are in the unit of its key.
+_OF_DISTRIBUTION = {*PLACES, "sd"}
 _SYMBOL = r"(?:um|mm|nm|ms|us|ns|px|counts|kHz|deg|rad|GPa|MPa|Pa|kg|mN|uN|uC|[mgsNJKV])\d?"
 _SUFFIX = re.compile(rf"_({_SYMBOL}(?:_per_{_SYMBOL})*|per_s)$")
 

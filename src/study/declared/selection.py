@@ -195,7 +195,7 @@ class DeclaredTable:
                 amount = {"property": key, "value": value, "unit": unit or "-"}
                 user = {"evidence": "user", "source": "given without a source"}
                 rows[name, key] = dict.fromkeys(self.columns, "") | named | amount | user
-        kept = (row for row in self.rows if (self.name(row), row.get("property")) not in rows)
+        kept = (row for row in self.rows if (self.name(row), row["property"]) not in rows)
         path = f"{self.path} and properties" if by_name else self.path
         return replace(self, path=path, rows=(*kept, *rows.values()))
 

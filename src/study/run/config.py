@@ -28,7 +28,19 @@ from microimpact.model.plausibility import doubt_of_input
 from microimpact.statistics.distributions import SampleFile, TruncatedNormal
 from study import analyses
 from study.declared.documents import ConfigError, entries, load, located
-from study.declared.parameters import Known, Name, Positive, Seed, adapter, build, explain
+from study.declared.parameters import (
+    Known,
+    Name,
+    Positive,
+    Seed,
+    adapter,
+    bare,
+    build,
+    explain,
+)
+from study.declared.parameters import (
+    fields as types_of_fields,
+)
 from study.declared.provenance import Declared
 from study.declared.references import Resolver
 from study.declared.selection import TABLES, DeclaredTables, read_all
@@ -368,9 +380,9 @@ def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:
         yield f"{key}: from {cut}, only {node.share:.1g} of {normal} is left"
     if not is_dataclass(node) or type(node).__module__ == TruncatedNormal.__module__:
         return  # measured values may be equal
-    for name, hint in _hints(type(node)).items():  # type: ignore[arg-type]
+    for name, hint in types_of_fields(type(node)).items():  # type: ignore[arg-type]
         child, items = getattr(node, name), f"{key}.{name}"
-        if get_args(hint)[1:] == (Ellipsis,) and isinstance(child, tuple):
+        if get_args(bare(hint))[1:] == (Ellipsis,) and isinstance(child, tuple):
             # Facts that a list names may well be equal: it repeats what stands in one list only.
             keys = [f"{items}[{i}]" for i in range(len(child))]
             lists = [origins.get(each, each).rpartition("[")[0] for each in keys]
@@ -381,11 +393,6 @@ def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:
                 if where and (where, item) in named[:i]
             )
         yield from _slips(child, items, origins)
-
-
-@cache
-def _hints(kind: type[Any]) -> Mapping[str, Any]:
-    return get_type_hints(kind)
 
 
 def _error(lines: Iterable[str]) -> ConfigError:

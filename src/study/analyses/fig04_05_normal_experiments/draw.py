@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
     from study.tables import Curves, ResultTables
 
+CONTACTS = "steel-silicon, n = 1", "steel-silicon, n = 0"
+PROBE_MM = 1.0
+# The plateau that the article names begins at 0.75 m/s.
+PLATEAU = (0.75, 1.7)
+
 # The marks of the analyser, then all spheres that rebound, without it.
 CLASSES = {
     "SST65": Series("SST65, virtual experiment", 0),
@@ -40,12 +45,6 @@ NAMED = CLASSES | {
     ),
     "SST125 sieve, other end": Series("SST125, [[other_case]]", 1, line="dotted", beside=1.2),
 }
-
-
-CONTACTS = "steel-silicon, n = 1", "steel-silicon, n = 0"
-PROBE_MM = 1.0
-# The plateau that the article names begins at 0.75 m/s.
-PLATEAU = (0.75, 1.7)
 
 
 def plateaus_are_flat(tables: ResultTables) -> Stated:
@@ -236,8 +235,8 @@ def larger_keep_theirs(y: Curves) -> Stated:
         [[populations.SST125.diameter_um.low:.0f]] to
         [[populations.SST125.diameter_um.high:.0f]] µm (open marks). The slowest marks lie above
         the curves because slow rebounds do not reach the probe again; above about 0.5 m/s both
-        agree by construction. The article prints no
-        level for these impacts. Grey: the speeds at which it saw particles pile up.
+        agree by construction. The article prints no level for these impacts. Grey: the speeds at
+        which it saw particles pile up.
     """,
     contact=TWO_STAGES,
     tables={

@@ -22,6 +22,13 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
     from study.tables import Curves, ResultTables
 
+OTHER_CASES = (
+    "polystyrene-latex-fused-silica",
+    "fluorescein-molybdenum, nominal",
+    "ammonium-fluorescein-mica",
+)
+STEEL_CASES = "steel-silicon, n = 0", "steel-silicon, n = 1"
+
 PANELS = {"restitution": "all speeds", "capture": "near capture, enlarged"}
 ENLARGED = {"capture": "restitution"}
 
@@ -83,14 +90,6 @@ def fit_below(y: Curves, case: str) -> float:
     return 100.0 * (1.0 - fit / simulation)
 
 
-OTHERS = (
-    "polystyrene-latex-fused-silica",
-    "fluorescein-molybdenum, nominal",
-    "ammonium-fluorescein-mica",
-)
-STEEL_CASES = "steel-silicon, n = 0", "steel-silicon, n = 1"
-
-
 def fit_errors(tables: ResultTables, cases: tuple[str, ...], exponent: str) -> list[float]:
     """Return the relative errors of fitted capture velocities, with q free or fixed."""
     velocities = (
@@ -122,7 +121,9 @@ EXPONENT = (
     "1/2, which the equation of motion gives at capture, they are {least:.1%} to {most:.1%} "
     "too high; with q free, up to {under:.1%} too low."
 )
-FIG15_DISAGREEMENT = (Remark(EXPONENT, lambda tables: exponent_decides_the_sign(tables, OTHERS)),)
+FIG15_DISAGREEMENT = (
+    Remark(EXPONENT, lambda tables: exponent_decides_the_sign(tables, OTHER_CASES)),
+)
 FIG15_AGREEMENT = (
     Remark(
         "The printed ring force and force ratios allow the printed 1.47 m/s on molybdenum for "
@@ -138,8 +139,7 @@ FIG16_DISAGREEMENT = (
 
 def fits_err_and_ratios_leave_a_range(y: Curves) -> Stated:
     """Every fit begins below its simulation; the ends of the force ratios lie apart."""
-    cases = "polystyrene-latex-fused-silica", "fluorescein-molybdenum, nominal"
-    errors = [fit_below(y, case) for case in (*cases, "ammonium-fluorescein-mica")]
+    errors = [fit_below(y, case) for case in OTHER_CASES]
     ends = "least", "greatest"
     low, high = sorted(_capture(y(f"fluorescein-molybdenum, {end}, simulation")) for end in ends)
     holds = min(errors) > 0.0 and high > 1.1 * low
@@ -196,7 +196,7 @@ def draw_fig15(sheet: Sheet) -> None:
 
 def both_fits_err(y: Curves) -> Stated:
     """Both fits begin below their simulations."""
-    errors = [fit_below(y, f"steel-silicon, n = {n}") for n in (0, 1)]
+    errors = [fit_below(y, case) for case in STEEL_CASES]
     return stated(min(errors) > 0.0, least=min(errors), most=max(errors))
 
 

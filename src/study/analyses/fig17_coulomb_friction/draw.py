@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
     from study.tables import Curves, ResultTables
 
-
 FRICTIONS = "0.1", "0.15", "0.2"
 
 

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
     from study.tables import Curves, ResultTables
 
-
 VARIANT = "equal weights"
 
 

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from study.figures.style import Sheet
     from study.tables import Curves, ResultTables
 
+DRAWN = {"variation": "realistic", "design": "fraction"}
+CASES = "steel-silicon, n = 0", "steel-silicon, n = 1"
+
 # By response: words and marks.
 NORMAL = {
     "v_c": Series("$v_c$, exact", 0),
@@ -48,10 +51,6 @@ LABEL_HEIGHT = 0.045
 def _effect(y: Curves, response: str, name: str) -> float:
     """Return an effect in % of the mean; interactions may stand for an alias as well."""
     return float(y(f"{response}: {name}", "normal").index[0])
-
-
-DRAWN = {"variation": "realistic", "design": "fraction"}
-CASES = "steel-silicon, n = 0", "steel-silicon, n = 1"
 
 
 def exponent_decides_who_leads(tables: ResultTables) -> Stated:

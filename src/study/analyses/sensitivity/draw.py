@@ -88,9 +88,9 @@ def draw_sobol(sheet: Sheet) -> None:
     from study.figures.style import legend_above, plain_numbers
 
     *panels, convergence = sheet.panels()
-    for ax in [ax for ax in panels if sheet.take(ax, next(iter(INDICES))).empty]:
-        panels.remove(ax)  # of a case that a changed run leaves out
-        ax.set_visible(False)
+    for ax in panels:  # none of a case that a changed run leaves out
+        ax.set_visible(not sheet.take(ax, "total index").empty)
+    panels = [ax for ax in panels if ax.get_visible()]
     for ax in panels:
         ax.set(xlim=(-0.5, 4.5), ylim=(-0.04, 1.0), xlabel="Factor", ylabel="Share of variance")
         for number, (name, look) in enumerate(INDICES.items()):
